@@ -1,0 +1,350 @@
+//! One command buffer, recorded as named passes: the name is the debug label, the timestamp and the barrier.
+
+use std::any::Any;
+use std::sync::Arc;
+use std::time::Instant;
+
+use ash::vk;
+
+use super::descriptors::DescriptorPools;
+use super::error::Call;
+use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
+
+/// Passes that one command buffer can time.
+const MAX_TIMED_PASSES: u32 = 512;
+
+/// Workgroups along x before a dispatch folds into y; every device offers this many.
+const MAX_GROUPS_X: u32 = 65535;
+
+/// How long a pass took on the device.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct PassTime {
+    pub name: String,
+    /// `None` where the device has no timestamps.
+    pub milliseconds: Option<f64>,
+}
+
+/// Records passes, then runs them.
+pub struct Recorder {
+    device: Device,
+    command_pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    queries: Option<vk::QueryPool>,
+    passes: Vec<String>,
+    descriptors: DescriptorPools,
+    /// Whatever the commands use, held until they have run.
+    held: Vec<Arc<dyn Any>>,
+}
+
+impl Recorder {
+    pub fn new(device: &Device) -> Result<Self, GpuError> {
+        let pool_info = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(device.queue_family);
+        // SAFETY: the family is the one the device was made with.
+        let command_pool = unsafe { device.raw.create_command_pool(&pool_info, None) }.call("vkCreateCommandPool")?;
+        let mut recorder = Recorder {
+            device: device.clone(),
+            command_pool,
+            commands: vk::CommandBuffer::null(),
+            queries: None,
+            passes: Vec::new(),
+            descriptors: DescriptorPools::new(device),
+            held: Vec::new(),
+        };
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(command_pool).command_buffer_count(1);
+        // SAFETY: the pool was just made.
+        recorder.commands = unsafe { device.raw.allocate_command_buffers(&info) }.call("vkAllocateCommandBuffers")?[0];
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is new.
+        unsafe { device.raw.begin_command_buffer(recorder.commands, &begin) }.call("vkBeginCommandBuffer")?;
+        if device.has(Capability::Timestamps) {
+            let info = vk::QueryPoolCreateInfo::default()
+                .query_type(vk::QueryType::TIMESTAMP)
+                .query_count(2 * MAX_TIMED_PASSES);
+            // SAFETY: a query pool has no preconditions; it is reset before its first use.
+            unsafe {
+                let queries = device.raw.create_query_pool(&info, None).call("vkCreateQueryPool")?;
+                recorder.queries = Some(queries);
+                device.raw.cmd_reset_query_pool(recorder.commands, queries, 0, 2 * MAX_TIMED_PASSES);
+            }
+        }
+        Ok(recorder)
+    }
+
+    /// Opens a pass: everything before it is finished and visible to it. Commands within one pass are not ordered.
+    pub fn pass(&mut self, name: &str) -> Result<Pass<'_>, GpuError> {
+        let commands = self.commands;
+        self.barrier(
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE,
+        );
+        if let (Some(labels), Ok(text)) = (&self.device.labels, std::ffi::CString::new(name)) {
+            let label = vk::DebugUtilsLabelEXT::default().label_name(&text);
+            // SAFETY: the command buffer is being recorded; the label is copied.
+            unsafe { labels.cmd_begin_debug_utils_label(commands, &label) };
+        }
+        let index = self.passes.len() as u32;
+        self.passes.push(name.to_string());
+        self.timestamp(2 * index, vk::PipelineStageFlags::TOP_OF_PIPE);
+        Ok(Pass { recorder: self, index })
+    }
+
+    fn timestamp(&self, query: u32, stage: vk::PipelineStageFlags) {
+        if let Some(queries) = self.queries
+            && query < 2 * MAX_TIMED_PASSES
+        {
+            // SAFETY: the query is in range and was reset.
+            unsafe { self.device.raw.cmd_write_timestamp(self.commands, stage, queries, query) };
+        }
+    }
+
+    fn barrier(&self, stage: vk::PipelineStageFlags, access: vk::AccessFlags) {
+        let barrier =
+            vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::MEMORY_WRITE).dst_access_mask(access);
+        // SAFETY: a global memory barrier outside of rendering.
+        unsafe {
+            self.device.raw.cmd_pipeline_barrier(
+                self.commands,
+                vk::PipelineStageFlags::ALL_COMMANDS,
+                stage,
+                vk::DependencyFlags::empty(),
+                &[barrier],
+                &[],
+                &[],
+            );
+        }
+    }
+
+    /// Runs what was recorded and waits for it. The times are in the order of the passes.
+    pub fn submit(mut self) -> Result<Vec<PassTime>, GpuError> {
+        self.barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
+        let raw = self.device.raw.clone();
+        // SAFETY: the command buffer is complete, and everything it uses is held by `self.held`.
+        unsafe { raw.end_command_buffer(self.commands) }.call("vkEndCommandBuffer")?;
+        // SAFETY: no preconditions.
+        let fence = unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }.call("vkCreateFence")?;
+        let done = self.run(fence);
+        // SAFETY: the fence is not waited on any more; after a time-out the device is given up.
+        unsafe { raw.destroy_fence(fence, None) };
+        if let Err(error) = done {
+            // What the commands use may still be in use on a device that hangs: leaking it is the only safe way.
+            std::mem::forget(std::mem::take(&mut self.held));
+            return Err(error);
+        }
+        self.times()
+    }
+
+    fn run(&self, fence: vk::Fence) -> Result<(), GpuError> {
+        let commands = [self.commands];
+        let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
+        let started = Instant::now();
+        {
+            let queue = self.device.queue.lock().map_err(|_| self.lost())?;
+            // SAFETY: the queue is locked for the call, as Vulkan asks.
+            unsafe { self.device.raw.queue_submit(*queue, &submits, fence) }.map_err(|e| self.failure(e))?;
+        }
+        let patience = self.device.patience();
+        // SAFETY: the fence belongs to the submission above.
+        unsafe { self.device.raw.wait_for_fences(&[fence], true, patience.as_nanos() as u64) }.map_err(|e| match e {
+            vk::Result::TIMEOUT => GpuError::Timeout {
+                device: self.device.info.name.clone(),
+                pass: self.describe(),
+                seconds: started.elapsed().as_secs(),
+            },
+            other => self.failure(other),
+        })
+    }
+
+    fn failure(&self, result: vk::Result) -> GpuError {
+        match result {
+            vk::Result::ERROR_DEVICE_LOST => self.lost(),
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => GpuError::OutOfMemory {
+                device: self.device.info.name.clone(),
+                what: self.describe(),
+                bytes: 0,
+                held: self.device.held_memory(),
+            },
+            result => GpuError::Vulkan { call: "vkQueueSubmit", result },
+        }
+    }
+
+    fn lost(&self) -> GpuError {
+        GpuError::DeviceLost { device: self.device.info.name.clone(), pass: self.describe() }
+    }
+
+    fn describe(&self) -> String {
+        match self.passes.as_slice() {
+            [] => "no pass".to_string(),
+            [one] => one.clone(),
+            [first, .., last] => format!("{first} to {last}"),
+        }
+    }
+
+    fn times(&self) -> Result<Vec<PassTime>, GpuError> {
+        let timed = (self.passes.len() as u32).min(MAX_TIMED_PASSES);
+        let mut ticks = vec![0u64; 2 * timed as usize];
+        if let Some(queries) = self.queries.filter(|_| timed > 0) {
+            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+            // SAFETY: every query in the range was written by the commands that have run.
+            unsafe { self.device.raw.get_query_pool_results(queries, 0, &mut ticks, flags) }
+                .call("vkGetQueryPoolResults")?;
+        }
+        let period = f64::from(self.device.info.limits.timestamp_period) * 1e-6;
+        let time = |index: usize| {
+            let (start, end) = (ticks.get(2 * index)?, ticks.get(2 * index + 1)?);
+            self.queries.map(|_| end.saturating_sub(*start) as f64 * period)
+        };
+        Ok(self
+            .passes
+            .iter()
+            .enumerate()
+            .map(|(i, name)| PassTime { name: name.clone(), milliseconds: time(i) })
+            .collect())
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        // SAFETY: the commands have run, or were never submitted.
+        unsafe {
+            if let Some(queries) = self.queries {
+                self.device.raw.destroy_query_pool(queries, None);
+            }
+            self.device.raw.destroy_command_pool(self.command_pool, None);
+        }
+    }
+}
+
+/// An open pass. It closes when dropped.
+pub struct Pass<'a> {
+    recorder: &'a mut Recorder,
+    index: u32,
+}
+
+impl Pass<'_> {
+    /// Runs `kernel` for at least `count` invocations. The kernel finds its index by `linear_index()`.
+    pub fn dispatch(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &impl bytemuck::NoUninit,
+        count: u32,
+    ) -> Result<&mut Self, GpuError> {
+        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1));
+        if groups == 0 {
+            return Ok(self);
+        }
+        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
+        let x = groups.min(MAX_GROUPS_X);
+        // SAFETY: the pipeline and its descriptors are bound.
+        unsafe { self.recorder.device.raw.cmd_dispatch(self.recorder.commands, x, groups.div_ceil(x), 1) };
+        Ok(self)
+    }
+
+    /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
+    pub fn dispatch_indirect(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &impl bytemuck::NoUninit,
+        arguments: &Buffer,
+        offset: u64,
+    ) -> Result<&mut Self, GpuError> {
+        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
+        self.hold(arguments);
+        // SAFETY: the buffer was made for indirect use, and is held.
+        unsafe { self.recorder.device.raw.cmd_dispatch_indirect(self.recorder.commands, arguments.raw, offset) };
+        Ok(self)
+    }
+
+    /// Sets every u32 of the buffer.
+    pub fn fill(&mut self, buffer: &Buffer, value: u32) -> &mut Self {
+        self.hold(buffer);
+        // SAFETY: the buffer was made for transfers; its size is a multiple of four.
+        unsafe {
+            self.recorder.device.raw.cmd_fill_buffer(self.recorder.commands, buffer.raw, 0, vk::WHOLE_SIZE, value);
+        }
+        self
+    }
+
+    /// Copies `bytes` between two buffers.
+    pub fn copy(&mut self, from: &Buffer, from_offset: u64, to: &Buffer, to_offset: u64, bytes: u64) -> &mut Self {
+        self.hold(from);
+        self.hold(to);
+        let region = vk::BufferCopy { src_offset: from_offset, dst_offset: to_offset, size: bytes };
+        // SAFETY: both were made for transfers; callers keep the range inside both.
+        unsafe { self.recorder.device.raw.cmd_copy_buffer(self.recorder.commands, from.raw, to.raw, &[region]) };
+        self
+    }
+
+    /// Copies a colour target, row after row without gaps, to the start of a buffer.
+    pub fn copy_image(&mut self, from: &Image, to: &Buffer) -> &mut Self {
+        self.hold(to);
+        self.recorder.held.push(Arc::new(from.clone()));
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width: from.extent.width, height: from.extent.height, depth: 1 });
+        // SAFETY: the image is in GENERAL since it was drawn to; the buffer holds the whole of it.
+        unsafe {
+            self.recorder.device.raw.cmd_copy_image_to_buffer(
+                self.recorder.commands,
+                from.raw,
+                vk::ImageLayout::GENERAL,
+                to.raw,
+                &[region],
+            );
+        }
+        self
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        &self.recorder.device
+    }
+
+    pub(crate) fn commands(&self) -> vk::CommandBuffer {
+        self.recorder.commands
+    }
+
+    /// Keeps something alive until the commands have run.
+    pub(crate) fn hold<T: Clone + 'static>(&mut self, what: &T) {
+        self.recorder.held.push(Arc::new(what.clone()));
+    }
+
+    pub(crate) fn descriptors(&mut self) -> &mut DescriptorPools {
+        &mut self.recorder.descriptors
+    }
+
+    fn bind(&mut self, kernel: &Kernel, bindings: &[&Bindings], push: &[u8]) -> Result<(), GpuError> {
+        let sets = self.recorder.descriptors.sets(&kernel.name, &kernel.layout, bindings, push.len())?;
+        let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
+        let point = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: sets and push constants were checked against the layout the pipeline was made with.
+        unsafe {
+            raw.cmd_bind_pipeline(commands, point, kernel.pipeline);
+            if !sets.is_empty() {
+                raw.cmd_bind_descriptor_sets(commands, point, kernel.layout.raw, 0, &sets, &[]);
+            }
+            if !push.is_empty() {
+                raw.cmd_push_constants(commands, kernel.layout.raw, kernel.layout.stages, 0, push);
+            }
+        }
+        self.hold(kernel);
+        bindings.iter().for_each(|b| self.hold(*b));
+        Ok(())
+    }
+}
+
+impl Drop for Pass<'_> {
+    fn drop(&mut self) {
+        self.recorder.timestamp(2 * self.index + 1, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+        if let Some(labels) = &self.recorder.device.labels {
+            // SAFETY: closes the label that the pass opened.
+            unsafe { labels.cmd_end_debug_utils_label(self.recorder.commands) };
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! What a SPIR-V module wants bound, read from the module itself.
+
+use spirq::prelude::*;
+use spirq::ty::{DescriptorType, Type};
+use spirq::var::Variable;
+
+/// What a kernel is bound to and how large its workgroups are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface {
+    /// In the order of set and binding.
+    pub slots: Vec<Slot>,
+    /// Bytes of push constants; 0 for none.
+    pub push_constants: u32,
+    /// Invocations along each axis; ones for stages that are not compute.
+    pub workgroup: [u32; 3],
+    /// Every named struct in a buffer or in the push constants, with its layout.
+    pub structs: Vec<Struct>,
+}
+
+/// One descriptor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slot {
+    pub set: u32,
+    pub binding: u32,
+    pub kind: SlotKind,
+    /// The block's name (`Vertices`), or the variable's where there is no block.
+    pub name: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SlotKind {
+    StorageBuffer,
+    AccelerationStructure,
+}
+
+/// A struct as the SPIR-V lays it out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Struct {
+    pub name: String,
+    /// (name, offset in bytes, size in bytes).
+    pub fields: Vec<(String, usize, usize)>,
+    /// Bytes from one element to the next where the struct is the element of an array.
+    pub stride: Option<usize>,
+}
+
+/// Reads the interface of the module's only entry point. The error is a reason.
+pub fn reflect(words: &[u32]) -> Result<Interface, String> {
+    let entry_points =
+        ReflectConfig::new().spv(words.to_vec()).reflect().map_err(|e| format!("its SPIR-V cannot be read: {e}"))?;
+    let [entry] = entry_points.as_slice() else {
+        return Err(format!("it has {} entry points instead of one", entry_points.len()));
+    };
+    let mut interface = Interface { slots: vec![], push_constants: 0, workgroup: [1; 3], structs: vec![] };
+    for variable in &entry.vars {
+        match variable {
+            Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
+                collect_structs(ty, None, &mut interface.structs);
+                interface.slots.push(Slot {
+                    set: desc_bind.set(),
+                    binding: desc_bind.bind(),
+                    kind: slot_kind(desc_ty)?,
+                    name: block_name(ty).or(name.as_deref()).unwrap_or("").to_string(),
+                });
+            }
+            Variable::PushConstant { ty, .. } => {
+                collect_structs(ty, None, &mut interface.structs);
+                interface.push_constants = ty.nbyte().unwrap_or(0).next_multiple_of(4) as u32;
+            }
+            _ => {}
+        }
+    }
+    for mode in &entry.exec_modes {
+        if mode.exec_mode == spirq::spirv::ExecutionMode::LocalSize {
+            for (axis, operand) in interface.workgroup.iter_mut().zip(&mode.operands) {
+                *axis = literal(&operand.value).ok_or("its workgroup size is not a literal")?;
+            }
+        }
+    }
+    interface.slots.sort_by_key(|slot| (slot.set, slot.binding));
+    Ok(interface)
+}
+
+fn literal(value: &spirq::constant::ConstantValue) -> Option<u32> {
+    use spirq::constant::ConstantValue;
+    match value {
+        ConstantValue::U32(value) => Some(*value),
+        ConstantValue::S32(value) => u32::try_from(*value).ok(),
+        ConstantValue::Typeless(bytes) => Some(u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?)),
+        _ => None,
+    }
+}
+
+fn slot_kind(kind: &DescriptorType) -> Result<SlotKind, String> {
+    match kind {
+        DescriptorType::StorageBuffer(_) => Ok(SlotKind::StorageBuffer),
+        DescriptorType::AccelStruct() => Ok(SlotKind::AccelerationStructure),
+        other => Err(format!(
+            "it wants a descriptor of kind {other:?}; storage buffers and acceleration structures are offered"
+        )),
+    }
+}
+
+fn block_name(ty: &Type) -> Option<&str> {
+    match ty {
+        Type::Struct(block) => block.name(),
+        _ => None,
+    }
+}
+
+fn collect_structs(ty: &Type, stride: Option<usize>, found: &mut Vec<Struct>) {
+    match ty {
+        Type::Struct(block) => {
+            let fields = block.members.iter().map(|m| {
+                (m.name.clone().unwrap_or_default(), m.offset.unwrap_or(usize::MAX), m.ty.nbyte().unwrap_or(0))
+            });
+            found.push(Struct { name: block.name().unwrap_or("").to_string(), fields: fields.collect(), stride });
+            block.members.iter().for_each(|m| collect_structs(&m.ty, None, found));
+        }
+        Type::Array(array) => collect_structs(&array.element_ty, array.stride, found),
+        _ => {}
+    }
+}

@@ -1,0 +1,211 @@
+//! A scene file read into a [`Scene`]. `scenes/FORMAT.md` documents every key.
+
+use std::fs;
+use std::path::Path;
+
+use glam::Vec3;
+use toml::de::DeTable;
+
+use super::error::{SceneError, io_reason};
+use super::value::{COORDINATE, Limit, Node, QUANTITY, Source, Table};
+use super::{Camera, FilmSettings, Medium, MediumId, Scene, ToneCurve, light, material, object};
+
+/// The widest and tallest film, pixels: the least `maxImageDimension2D` that desktop Vulkan drivers report.
+const LARGEST_FILM: u32 = 16_384;
+const MOST_SAMPLES: u32 = 1 << 20;
+
+const INDEX: Limit = Limit { holds: |n| (1.0..=10.0).contains(&n), words: "from 1 to 10" };
+const ASYMMETRY: Limit = Limit { holds: |g| (-0.999..=0.999).contains(&g), words: "from -0.999 to 0.999" };
+const FIELD_OF_VIEW: Limit = Limit { holds: |fov| (0.1..=179.0).contains(&fov), words: "from 0.1 to 179" };
+const EXPOSURE: Limit = Limit { holds: |stops| (-32.0..=32.0).contains(&stops), words: "from -32 to 32" };
+
+/// The sine of the angle between a camera's up and its view, below which the picture has no defined roll.
+const LEAST_UP_SINE: f64 = 1e-4;
+
+/// Reads the scene file at `path` and all files it refers to; relative names are taken from the scene file's folder.
+///
+/// # Errors
+/// The first thing wrong with the scene, in one sentence that names file and line.
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    let refuse = |error| SceneError::Unreadable { path: path.to_owned(), reason: io_reason(&error) };
+    let text = fs::read_to_string(path).map_err(refuse)?;
+    parse(&text, path)
+}
+
+/// Reads a scene from `text` as if it stood in the file `path`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
+    let source = Source { path, text };
+    let document = DeTable::parse(text).map_err(|error| syntax_error(source, &error))?;
+    let keys = ["film", "camera", "medium", "material", "object", "light"];
+    let root = Table::root(source, document.get_ref(), &keys)?;
+
+    let mut scene = empty_scene(path);
+    if let Some(film) = root.get("film") {
+        scene.film = read_film(&film)?;
+    }
+    for node in tables(&root, "medium")? {
+        let medium = read_medium(&node, &scene.media)?;
+        scene.media.push(medium);
+    }
+    for node in tables(&root, "camera")? {
+        let camera = read_camera(&node, &scene)?;
+        scene.cameras.push(camera);
+    }
+    for node in tables(&root, "material")? {
+        material::read(&node, &mut scene)?;
+    }
+    for node in tables(&root, "light")? {
+        let light = light::read(&node, &scene)?;
+        scene.lights.push(light);
+    }
+    object::read_all(&tables(&root, "object")?, &mut scene)?;
+
+    if scene.cameras.is_empty() {
+        root.need("camera", "at least one [[camera]]")?;
+    }
+    if scene.instances.is_empty() {
+        root.need("object", "at least one [[object]]")?;
+    }
+    if scene.lights.is_empty() {
+        scene.warnings.push(format!("{} has no [[light]]: only its background is seen", path.display()));
+    }
+    Ok(scene)
+}
+
+fn empty_scene(path: &Path) -> Scene {
+    let air =
+        Medium { name: "air".to_owned(), index: 1.0, absorption: Vec3::ZERO, scattering: Vec3::ZERO, asymmetry: 0.0 };
+    let film = FilmSettings {
+        width: 640,
+        height: 480,
+        samples: 16,
+        exposure: 0.0,
+        tone_curve: ToneCurve::Linear,
+        background: Vec3::ZERO,
+    };
+    Scene {
+        path: path.to_owned(),
+        film,
+        cameras: Vec::new(),
+        meshes: Vec::new(),
+        instances: Vec::new(),
+        materials: Vec::new(),
+        textures: Vec::new(),
+        media: vec![air],
+        lights: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+/// The parser's message, which may span lines, as one sentence.
+fn syntax_error(source: Source, error: &toml::de::Error) -> SceneError {
+    let offset = error.span().map_or(0, |span| span.start);
+    let words: Vec<&str> = error.message().split_whitespace().collect();
+    SceneError::Syntax { at: source.line_and_column(offset), reason: words.join(" ") }
+}
+
+/// The tables of `[[key]]`, none where there is no such key.
+fn tables<'s>(root: &Table<'s>, key: &str) -> Result<Vec<Node<'s>>, SceneError> {
+    match root.get(key) {
+        None => Ok(Vec::new()),
+        Some(node) => {
+            let nodes = node.list(&format!("tables, each written [[{key}]]"))?;
+            if nodes.is_empty() {
+                return Err(node.refuse(format!("at least one [[{key}]], or no such key")));
+            }
+            Ok(nodes)
+        }
+    }
+}
+
+/// The key `name`, checked against the names already given to things of that kind.
+pub(super) fn read_name<'a>(
+    table: &Table,
+    kind: &'static str,
+    mut taken: impl Iterator<Item = &'a str>,
+) -> Result<String, SceneError> {
+    let node = table.need("name", "a text that is not empty")?;
+    let name = node.text()?;
+    if taken.any(|other| other == name) {
+        return Err(SceneError::TakenName { at: node.at(), kind, name: name.to_owned() });
+    }
+    Ok(name.to_owned())
+}
+
+/// The place of the named thing among `names`.
+pub(super) fn find_name<'a>(
+    node: &Node,
+    kind: &'static str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, SceneError> {
+    let wanted = node.text()?;
+    let known = || {
+        let known: Vec<String> = names.clone().map(|name| format!("\"{name}\"")).collect();
+        if known.is_empty() { "none".to_owned() } else { known.join(", ") }
+    };
+    names.clone().position(|name| name == wanted).ok_or_else(|| SceneError::UnknownName {
+        at: node.at(),
+        key: node.key.clone(),
+        kind,
+        found: wanted.to_owned(),
+        known: known(),
+    })
+}
+
+/// The medium that `key` names, air where it is left out.
+pub(super) fn read_medium_id(table: &Table, key: &str, media: &[Medium]) -> Result<MediumId, SceneError> {
+    let names = media.iter().map(|medium| medium.name.as_str());
+    table.or(key, 0, |node| find_name(&node, "medium", names))
+}
+
+fn read_film(node: &Node) -> Result<FilmSettings, SceneError> {
+    let table = node.table("[film]", &["width", "height", "samples", "exposure", "tone_curve", "background"])?;
+    let curves = [("linear", ToneCurve::Linear), ("reinhard", ToneCurve::Reinhard)];
+    Ok(FilmSettings {
+        width: table.or("width", 640, |node| node.whole(1, LARGEST_FILM))?,
+        height: table.or("height", 480, |node| node.whole(1, LARGEST_FILM))?,
+        samples: table.or("samples", 16, |node| node.whole(1, MOST_SAMPLES))?,
+        exposure: table.or("exposure", 0.0, |node| node.number(EXPOSURE))? as f32,
+        tone_curve: table.or("tone_curve", ToneCurve::Linear, |node| node.choice(&curves))?,
+        background: table.or("background", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
+    })
+}
+
+fn read_medium(node: &Node, media: &[Medium]) -> Result<Medium, SceneError> {
+    let table = node.table("[[medium]]", &["name", "index", "absorption", "scattering", "asymmetry"])?;
+    Ok(Medium {
+        name: read_name(&table, "medium", media.iter().map(|medium| medium.name.as_str()))?,
+        index: table.need("index", "a number from 1 to 10")?.number(INDEX)? as f32,
+        absorption: table.or("absorption", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
+        scattering: table.or("scattering", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
+        asymmetry: table.or("asymmetry", 0.0, |node| node.number(ASYMMETRY))? as f32,
+    })
+}
+
+fn read_camera(node: &Node, scene: &Scene) -> Result<Camera, SceneError> {
+    let table = node.table("[[camera]]", &["name", "position", "target", "up", "fov_y", "medium"])?;
+    let name = read_name(&table, "camera", scene.cameras.iter().map(|camera| camera.name.as_str()))?;
+    let position = table.need("position", "a list of three numbers")?.vec3(COORDINATE)?;
+    let target_node = table.need("target", "a list of three numbers")?;
+    let target = target_node.vec3(COORDINATE)?;
+    if (target - position).length() < 1e-6 {
+        return Err(target_node.refuse("a point at least 1e-6 from the camera's position"));
+    }
+    let up = table.or("up", glam::DVec3::Y, |node| node.direction())?;
+    let sine = up.cross((target - position).normalize()).length();
+    if sine < LEAST_UP_SINE {
+        let node = table.get("up").unwrap_or(target_node);
+        return Err(node.refuse("a camera whose `up` (0, 1, 0 if left out) is not along its view"));
+    }
+    Ok(Camera {
+        name,
+        position: position.as_vec3(),
+        target: target.as_vec3(),
+        up: up.as_vec3(),
+        fov_y: table.or("fov_y", 45.0, |node| node.number(FIELD_OF_VIEW))? as f32,
+        medium: read_medium_id(&table, "medium", &scene.media)?,
+    })
+}

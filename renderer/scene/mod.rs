@@ -1,0 +1,188 @@
+//! What is rendered: the scene as the host sees it, after its file was read and checked.
+//!
+//! Metres, right-handed, y up; linear Rec.709 RGB. Everything here is plain data; the GPU's copy is made in
+//! [`crate::gpu_scene`].
+
+pub mod adjacency;
+pub mod error;
+mod file;
+pub mod height_field;
+mod light;
+mod material;
+pub mod mend;
+mod mtl;
+mod obj;
+mod obj_check;
+mod object;
+mod polygon;
+pub mod shapes;
+mod texture;
+mod transform;
+mod value;
+
+use std::path::PathBuf;
+
+use glam::{Affine3A, Vec2, Vec3};
+
+pub use error::SceneError;
+pub use file::{load, parse};
+
+/// Index into [`Scene::meshes`].
+pub type MeshId = usize;
+/// Index into [`Scene::materials`].
+pub type MaterialId = usize;
+/// Index into [`Scene::media`]. Medium 0 is always `air`: index 1, empty.
+pub type MediumId = usize;
+/// Index into [`Scene::textures`].
+pub type TextureId = usize;
+
+/// A scene, complete and valid: every id is in range and every number finite.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The scene file.
+    pub path: PathBuf,
+    pub film: FilmSettings,
+    /// At least one; the first is used where none is named.
+    pub cameras: Vec<Camera>,
+    pub meshes: Vec<Mesh>,
+    pub instances: Vec<Instance>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub media: Vec<Medium>,
+    pub lights: Vec<Light>,
+    /// What was mended while loading (degenerate triangles dropped, say), a sentence each.
+    pub warnings: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmSettings {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Samples a pixel where the command line names none.
+    pub samples: u32,
+    /// Stops: display output is multiplied by 2^exposure before the tone curve.
+    pub exposure: f32,
+    pub tone_curve: ToneCurve,
+    /// Radiance of rays that leave the scene, W/(m2 sr). It is seen; it does not light anything.
+    pub background: Vec3,
+}
+
+/// How linear radiance becomes a display value in the PNG; EXR files stay linear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ToneCurve {
+    /// Clamped to 1, then sRGB.
+    Linear,
+    /// Reinhard's extended curve on luminance, white at 4, then sRGB.
+    Reinhard,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    pub name: String,
+    pub position: Vec3,
+    pub target: Vec3,
+    pub up: Vec3,
+    /// Vertical field of view, degrees, in (0, 180).
+    pub fov_y: f32,
+    /// The medium the camera is in.
+    pub medium: MediumId,
+}
+
+/// An indexed triangle mesh in its own space.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    pub name: String,
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals, one a position; on the side of the front (counter-clockwise) face.
+    pub normals: Vec<Vec3>,
+    /// One a position; zero where the source has none.
+    pub uvs: Vec<Vec2>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// One placed mesh.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    pub name: String,
+    pub mesh: MeshId,
+    pub material: MaterialId,
+    /// Object space to world space; invertible.
+    pub transform: Affine3A,
+}
+
+#[derive(Debug, Clone)]
+pub struct Material {
+    pub name: String,
+    pub surface: Surface,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surface {
+    /// Lambertian, two-sided. The albedo is multiplied by the texture where there is one.
+    Diffuse { albedo: Vec3, texture: Option<TextureId> },
+    /// A smooth interface between two media; `front` is on the side the geometric normal points to.
+    Dielectric { front: MediumId, back: MediumId },
+    /// A smooth mirror on both sides.
+    Mirror { reflectance: Vec3 },
+    /// A rough mirror (GGX with Smith masking, alpha = roughness^2) on both sides.
+    Rough { reflectance: Vec3, roughness: f32 },
+}
+
+impl Surface {
+    /// Whether light that meets it goes on as part of the S+ of a caustic path.
+    pub fn is_specular(&self) -> bool {
+        !matches!(self, Surface::Diffuse { .. })
+    }
+}
+
+/// A homogeneous medium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Medium {
+    pub name: String,
+    /// Refractive index relative to vacuum, at least 1.
+    pub index: f32,
+    /// Absorption coefficient, 1/m.
+    pub absorption: Vec3,
+    /// Scattering coefficient, 1/m.
+    pub scattering: Vec3,
+    /// Henyey-Greenstein g in (-1, 1): mean cosine between the directions before and after.
+    pub asymmetry: f32,
+}
+
+impl Medium {
+    /// Absorption plus scattering, 1/m.
+    pub fn extinction(&self) -> Vec3 {
+        self.absorption + self.scattering
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    pub name: String,
+    pub emitter: Emitter,
+    /// The medium the light is in.
+    pub medium: MediumId,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Emitter {
+    /// `intensity`: W/sr.
+    Point { position: Vec3, intensity: Vec3 },
+    /// `intensity`: W/sr on the axis; full inside `inner`, none outside `outer`, smoothstep in the angle's cosine
+    /// between. Both are half angles in radians, 0 <= inner <= outer <= pi/2.
+    Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner: f32, outer: f32 },
+    /// `direction`: unit, the way the light travels; `irradiance`: W/m2 on a plane perpendicular to it.
+    Directional { direction: Vec3, irradiance: Vec3 },
+}
+
+/// An image that multiplies an albedo.
+#[derive(Debug, Clone)]
+pub struct Texture {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    /// Linear RGB, row 0 on top, in [0, 1]. v = 0 is the bottom of the image, as in OBJ.
+    pub texels: Vec<[f32; 3]>,
+}

@@ -1,0 +1,134 @@
+//! The shipped scenes load, and the pool is the one whose light was computed elsewhere.
+
+use std::path::{Path, PathBuf};
+
+use nephroid::scene::adjacency::Adjacency;
+use nephroid::scene::{Emitter, Instance, Scene, Surface, load};
+
+const SHIPPED: [&str; 6] = ["flat_water", "pool", "lagoon", "glass_sphere", "cornell_flooded", "cup"];
+
+/// Half a unit in the last of the eight digits that the pool's reference mesh was written with, and one of f32.
+const TOLERANCE: f32 = 2e-7;
+
+fn shipped(name: &str) -> Scene {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"));
+    load(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn instance<'a>(scene: &'a Scene, name: &str) -> &'a Instance {
+    scene.instances.iter().find(|instance| instance.name == name).unwrap()
+}
+
+#[test]
+fn every_shipped_scene_loads_without_a_warning_and_has_a_caustic() {
+    for name in SHIPPED {
+        let scene = shipped(name);
+        assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
+        assert!(!scene.lights.is_empty(), "{name}");
+        let surfaces = scene.instances.iter().map(|instance| &scene.materials[instance.material].surface);
+        let (specular, diffuse): (Vec<&Surface>, Vec<&Surface>) = surfaces.partition(|surface| surface.is_specular());
+        assert!(!specular.is_empty() && !diffuse.is_empty(), "{name}");
+        for mesh in &scene.meshes {
+            let adjacency = Adjacency::of(mesh);
+            assert!(adjacency.non_manifold.is_empty() && adjacency.flipped_edges == 0, "{name}: {}", mesh.name);
+            assert!(mesh.normals.iter().all(|normal| normal.is_normalized()), "{name}: {}", mesh.name);
+        }
+    }
+}
+
+#[test]
+fn every_shipped_scene_has_its_row_in_the_readme() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        let Some(name) = file.strip_suffix(".toml") else { continue };
+        files += 1;
+        assert!(SHIPPED.contains(&name), "{file} is in no test");
+        assert!(readme.contains(&format!("| [{name}]({file}) |")), "{file} has no row");
+        assert!(readme.contains(&format!("(pictures/{name}.png)")), "{file} has no picture");
+    }
+    assert_eq!(files, SHIPPED.len());
+}
+
+/// Rows of the reference mesh: place in the file, vertex, normal.
+const WATER: [(usize, [f32; 3], [f32; 3]); 5] = [
+    (0, [-6.0, 0.07855766, -6.0], [0.01204808, 0.9989276, 0.04470503]),
+    (1, [-5.953125, 0.077128105, -6.0], [0.04667799, 0.9962491, 0.07286254]),
+    (257, [-6.0, 0.075752905, -5.953125], [0.03796044, 0.996569, 0.07354808]),
+    (33_024, [0.0, 0.0032443906, 0.0], [-0.1803288, 0.9601875, 0.2133577]),
+    (66_048, [6.0, -0.019041459, 6.0], [0.04729104, 0.992113, 0.1160838]),
+];
+
+#[test]
+fn the_pools_water_is_the_reference_mesh() {
+    let scene = shipped("pool");
+    let mesh = &scene.meshes[instance(&scene, "water").mesh];
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (66_049, 131_072));
+    for (vertex, position, normal) in WATER {
+        let off = (mesh.positions[vertex] - glam::Vec3::from_array(position)).abs().max_element();
+        assert!(off < TOLERANCE, "vertex {vertex} is off by {off}");
+        let off = (mesh.normals[vertex] - glam::Vec3::from_array(normal)).abs().max_element();
+        assert!(off < TOLERANCE, "normal {vertex} is off by {off}");
+    }
+    // The reference counts vertices from 1: its first quad is 1 258 259 and 1 259 2, its last 65791 66048 66049.
+    assert_eq!(mesh.triangles[..2], [[0, 257, 258], [0, 258, 1]]);
+    assert_eq!(mesh.triangles[131_070], [65_790, 66_047, 66_048]);
+}
+
+#[test]
+fn the_pool_has_the_references_room_lamp_and_cameras() {
+    for name in ["pool", "flat_water"] {
+        let scene = shipped(name);
+        assert_eq!((scene.film.width, scene.film.height), (480, 360));
+        let light = &scene.lights[0];
+        let Emitter::Point { position, intensity } = &light.emitter else { panic!("{:?}", light.emitter) };
+        assert_eq!((position.to_array(), intensity.to_array(), light.medium), ([1.5, 6.0, -1.0], [100.0; 3], 0));
+
+        for (object, albedo, normal_y, low, high, area) in
+            [("floor", 0.8, 1.0, -2.0, -2.0, 100.0), ("walls", 0.6, 0.0, -2.0, 0.5, 100.0)]
+        {
+            let instance = instance(&scene, object);
+            let Surface::Diffuse { albedo: found, texture: None } = &scene.materials[instance.material].surface else {
+                panic!("{object} is not plainly diffuse")
+            };
+            assert_eq!(found.to_array(), [albedo; 3]);
+            let mesh = &scene.meshes[instance.mesh];
+            assert!(mesh.positions.iter().all(|p| p.x.abs() == 5.0 && p.z.abs() == 5.0 && (p.y == low || p.y == high)));
+            let mut sum = 0.0;
+            for triangle in &mesh.triangles {
+                let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+                let front = (b - a).cross(c - a);
+                sum += front.length() / 2.0;
+                assert_eq!(front.normalize().y, normal_y, "{object}");
+                // Into the room.
+                assert!(front.dot(glam::Vec3::new(0.0, 0.0, 0.0) - (a + b + c) / 3.0) > 0.0, "{object}");
+            }
+            assert_eq!(sum, area, "{object}");
+        }
+
+        let water = instance(&scene, "water");
+        let Surface::Dielectric { front, back } = scene.materials[water.material].surface else { panic!() };
+        assert_eq!((scene.media[front].index, scene.media[back].index), (1.0, 1.33));
+        let cameras: Vec<_> = scene
+            .cameras
+            .iter()
+            .map(|c| (c.name.as_str(), c.position.to_array(), c.target.to_array(), c.fov_y, c.medium))
+            .collect();
+        let target = [0.0, -2.0, 0.0];
+        assert_eq!(
+            cameras,
+            [("under", [0.0, -0.6, 3.5], target, 60.0, back), ("above", [0.0, 5.0, 5.0], target, 50.0, front)]
+        );
+    }
+}
+
+#[test]
+fn flat_water_is_one_square_at_height_zero() {
+    let scene = shipped("flat_water");
+    let mesh = &scene.meshes[instance(&scene, "water").mesh];
+    assert_eq!(mesh.triangles, [[0, 2, 3], [0, 3, 1]]);
+    assert!(mesh.positions.iter().all(|p| p.y == 0.0 && p.x.abs() == 6.0 && p.z.abs() == 6.0));
+    assert!(mesh.normals.iter().all(|normal| *normal == glam::Vec3::Y));
+}
