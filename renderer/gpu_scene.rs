@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat4, Vec3};
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError};
-use crate::scene::{Emitter, Light, Material, Medium, Mesh, Scene, Surface, Texture};
+use crate::scene::{Bounds, Emitter, Light, Material, Medium, Mesh, Scene, Surface, Texture};
 
 /// Instances of specular surfaces (dielectric, mirror, rough).
 pub const MASK_SPECULAR: u32 = 1;
@@ -105,27 +105,6 @@ pub struct GpuScene {
     pub bounds: Bounds,
 }
 
-/// A box in world space, metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    pub min: Vec3,
-    pub max: Vec3,
-}
-
-impl Bounds {
-    pub const EMPTY: Bounds = Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-
-    pub fn include(&mut self, point: Vec3) {
-        self.min = self.min.min(point);
-        self.max = self.max.max(point);
-    }
-
-    /// Metres.
-    pub fn diagonal(&self) -> f32 {
-        (self.max - self.min).length()
-    }
-}
-
 impl GpuScene {
     /// Uploads the scene. Fails where a buffer is larger than the device allows.
     pub fn new(device: &Device, scene: &Scene) -> Result<Self, GpuError> {
@@ -146,7 +125,7 @@ impl GpuScene {
             .buffer("Lights", &Buffer::from_slice(device, "scene lights", &lights)?)
             .buffer("Textures", &Buffer::from_slice(device, "scene textures", &textures)?)
             .buffer("Texels", &Buffer::from_slice(device, "scene texels", &texels)?);
-        Ok(GpuScene { bindings, vertices, indices, meshes, instances, bounds: bounds(scene) })
+        Ok(GpuScene { bindings, vertices, indices, meshes, instances, bounds: scene.bounds() })
     }
 }
 
@@ -274,14 +253,4 @@ fn pack_textures(textures: &[Texture]) -> (Vec<records::Texture>, Vec<u32>) {
 fn pack_texel(texel: [f32; 3]) -> u32 {
     let bits = texel.map(|c| (c.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
     bits[0] | bits[1] << 10 | bits[2] << 20
-}
-
-fn bounds(scene: &Scene) -> Bounds {
-    let mut bounds = Bounds::EMPTY;
-    for instance in &scene.instances {
-        for &position in &scene.meshes[instance.mesh].positions {
-            bounds.include(instance.transform.transform_point3(position));
-        }
-    }
-    bounds
 }

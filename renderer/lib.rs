@@ -1,8 +1,19 @@
 //! Nephroid renders caustics on any Vulkan device.
+//!
+//! Data flows one way: [`scene`] -> [`gpu_scene`] -> [`view`] -> [`frame`] and [`technique`] -> [`film`] -> [`image`];
+//! [`render`] puts them in order.
 
 pub mod commands;
+pub mod film;
+pub mod frame;
 pub mod gpu;
 pub mod gpu_scene;
 pub mod image;
+pub mod layouts;
+pub mod random;
+pub mod render;
 pub mod scene;
+pub mod stats;
+pub mod technique;
 pub mod trace;
+pub mod view;

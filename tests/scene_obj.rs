@@ -97,7 +97,7 @@ fn each_broken_obj_has_its_sentence() {
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 inf 0\nf 1 2 3\n",
             "thing.obj:4: `vn` is \"0 inf 0\"; allowed: 3 numbers from -1e9 to 1e9",
         ),
-        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "thing.obj:3: `f` has 2 corners; allowed: 3 to 4096"),
+        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "thing.obj:3: `f` has 2 corners; allowed: 3 to 1024"),
         (
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/2/3/4 2 3\n",
             "thing.obj:4: `f` has the corner \"1/2/3/4\"; allowed: v, v/vt, v//vn or v/vt/vn",

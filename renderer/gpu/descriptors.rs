@@ -41,7 +41,7 @@ impl DescriptorPools {
         }
         let sets = self.allocate(&layout.sets)?;
         for slot in &layout.slots {
-            let found = bindings.iter().find_map(|b| b.find(&slot.name));
+            let found = bindings.iter().find_map(|b| b.get(&slot.name));
             let missing = || GpuError::Kernel {
                 kernel: kernel.to_string(),
                 reason: format!("nothing is bound to its {:?} \"{}\"", slot.kind, slot.name),

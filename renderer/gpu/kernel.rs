@@ -41,7 +41,14 @@ impl Bindings {
         self
     }
 
-    pub(crate) fn find(&self, name: &str) -> Option<&Binding> {
+    /// Adds everything that `other` has.
+    pub fn and(mut self, other: &Bindings) -> Self {
+        self.0.extend(other.0.iter().cloned());
+        self
+    }
+
+    /// What is bound under a block's or variable's name.
+    pub fn get(&self, name: &str) -> Option<&Binding> {
         self.0.iter().find(|(n, _)| *n == name).map(|(_, binding)| binding)
     }
 }

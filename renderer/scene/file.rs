@@ -10,7 +10,7 @@ use super::error::{SceneError, io_reason};
 use super::value::{COORDINATE, Limit, Node, QUANTITY, Source, Table};
 use super::{Camera, FilmSettings, Medium, MediumId, Scene, ToneCurve, light, material, object};
 
-/// The widest and tallest film, pixels: the least `maxImageDimension2D` that desktop Vulkan drivers report.
+/// Pixels a side: one layer of four floats a pixel fills 4 GiB then.
 const LARGEST_FILM: u32 = 16_384;
 const MOST_SAMPLES: u32 = 1 << 20;
 

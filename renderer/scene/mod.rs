@@ -186,3 +186,37 @@ pub struct Texture {
     /// Linear RGB, row 0 on top, in [0, 1]. v = 0 is the bottom of the image, as in OBJ.
     pub texels: Vec<[f32; 3]>,
 }
+
+/// A box in world space, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+impl Bounds {
+    pub const EMPTY: Bounds = Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub fn include(&mut self, point: Vec3) {
+        self.min = self.min.min(point);
+        self.max = self.max.max(point);
+    }
+
+    /// Metres.
+    pub fn diagonal(&self) -> f32 {
+        (self.max - self.min).length()
+    }
+}
+
+impl Scene {
+    /// What holds every instance.
+    pub fn bounds(&self) -> Bounds {
+        let mut bounds = Bounds::EMPTY;
+        for instance in &self.instances {
+            for &position in &self.meshes[instance.mesh].positions {
+                bounds.include(instance.transform.transform_point3(position));
+            }
+        }
+        bounds
+    }
+}

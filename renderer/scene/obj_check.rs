@@ -8,8 +8,8 @@ use super::value::Node;
 
 /// OBJ units; their squares stay inside the range of f32.
 const LARGEST_COORDINATE: f32 = 1e9;
-/// Corners of one face; cutting it up takes their square in time.
-const MOST_CORNERS: usize = 4096;
+/// Corners of one face; cutting up the worst of faces takes their cube in time.
+const MOST_CORNERS: usize = 1024;
 
 /// Numbered lines without comments, a trailing backslash joining two.
 pub(super) fn logical_lines(text: &str) -> Vec<(u32, String)> {
@@ -84,10 +84,8 @@ fn count_vertex<'a>(
     let wanted = if keyword == "vt" { 1 } else { components };
     let sound = |word: &&str| word.parse().is_ok_and(|x: f32| x.abs() <= LARGEST_COORDINATE);
     if words.len() < wanted || !words.iter().all(sound) {
-        let found = words.join(" ");
-        return Err(format!(
-            "`{keyword}` is \"{found}\"; allowed: {wanted} numbers from -{LARGEST_COORDINATE:e} to {LARGEST_COORDINATE:e}"
-        ));
+        let (found, most) = (words.join(" "), LARGEST_COORDINATE);
+        return Err(format!("`{keyword}` is \"{found}\"; allowed: {wanted} numbers from -{most:e} to {most:e}"));
     }
     *count += 1;
     Ok(())

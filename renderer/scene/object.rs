@@ -10,7 +10,7 @@ use super::shapes::{Face, cuboid, cylinder, plane, sphere};
 use super::value::{ANGLE, COORDINATE, LENGTH, Node, Table};
 use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, texture, transform};
 
-/// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.4 GB on the host.
+/// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.24 GB on the host.
 const MOST_QUADS: u32 = 2048;
 /// Points are placed within this many metres of the origin, where f32 still resolves 6 cm.
 const FARTHEST: f32 = 1e6;

@@ -99,9 +99,9 @@ pub fn cuboid(name: &str, centre: DVec3, size: DVec3, faces: &[Face], inward: bo
     let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
     for face in faces {
         let (outward, across) = face.axes();
+        let along = across.cross(outward);
         // Seen from inside, left and right change places.
         let across = if inward { -across } else { across };
-        let along = across.cross(outward) * if inward { -1.0 } else { 1.0 };
         let middle = centre + 0.5 * outward * size;
         append(&mut mesh, rectangle(name, middle, across * size, along * size, [1, 1]));
     }
@@ -195,6 +195,10 @@ mod tests {
             let mesh = cuboid("box", DVec3::splat(0.5), size, &faces, inward);
             faces_as_its_normals(&mesh);
             assert!(Adjacency::of(&mesh).is_closed());
+            // Textures stand upright on the walls: the first vertex of each is its upper left one.
+            for wall in (0..24).step_by(4).filter(|&wall| mesh.normals[wall].y == 0.0) {
+                assert!(mesh.positions[wall].y > mesh.positions[wall + 2].y, "{wall}");
+            }
             assert!((volume(&mesh) - sign * 6.0).abs() < TOLERANCE, "{}", volume(&mesh));
         }
     }

@@ -1,10 +1,43 @@
 //! One tracing interface with several back-ends.
+//!
+//! A kernel includes `trace/interface.glsl` and exists once per [`Backend`]; a [`Tracer`] holds what the kernels of its
+//! back-end are bound to. All back-ends answer with the same ids: the scene's instance, and the triangle of its mesh.
 
+mod binary;
+mod choose;
+mod device_structures;
+mod error;
+mod probe;
+mod smoke;
 mod structure;
+mod top;
+mod tracer;
+mod tree;
+mod wide;
 
+pub use choose::{Choice, Measurement, TraceChoice, choose};
+pub use error::TraceError;
+pub use probe::{Probe, ProbeHit, Ray};
 pub use structure::AccelerationStructure;
+pub use tracer::{Backend, Tracer};
 
-use crate::gpu::{Capability, Device};
+pub(crate) use smoke::smoke_test;
+
+use crate::gpu::{Capability, Device, GpuStruct, Layout};
+
+/// Instance of a hit that is none.
+pub const NO_INSTANCE: u32 = u32::MAX;
+
+/// Every struct of the tracer that kernels see.
+pub const LAYOUTS: &[Layout] = &[
+    Ray::LAYOUT,
+    ProbeHit::LAYOUT,
+    probe::ProbePush::LAYOUT,
+    tree::LeafTriangle::LAYOUT,
+    wide::WideNode::LAYOUT,
+    binary::BinaryNode::LAYOUT,
+    top::TopNode::LAYOUT,
+];
 
 /// Usage flags that vertex and index buffers need for acceleration structures to be built from them.
 pub(crate) fn geometry_usage(device: &Device) -> ash::vk::BufferUsageFlags {
@@ -14,9 +47,4 @@ pub(crate) fn geometry_usage(device: &Device) -> ash::vk::BufferUsageFlags {
     } else {
         ash::vk::BufferUsageFlags::empty()
     }
-}
-
-/// Traces a few rays at one triangle by ray query; the error says what went wrong.
-pub(crate) fn smoke_test(_device: &Device) -> Result<(), String> {
-    Ok(())
 }

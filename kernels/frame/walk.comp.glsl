@@ -1,0 +1,163 @@
+// Follows the camera's path through specular surfaces to a diffuse point, one invocation a pixel and layer. The first
+// interface is split into its two branches, a layer each; later ones choose by chance, so that deep paths stay unbiased
+// without a tree.
+#include "shared/index.glsl"
+#include "shared/optics.glsl"
+#include "shared/random.glsl"
+#include "shared/view.glsl"
+#include "shared/visible.glsl"
+#include "shared/film.glsl"
+#include "trace/interface.glsl"
+
+layout(set = 2, binding = 1, std430) readonly buffer PrimaryIds { uvec2 primary_ids[]; };
+layout(set = 2, binding = 2, std430) writeonly buffer VisiblePoints { VisiblePoint visible_points[]; };
+layout(set = 2, binding = 3, std430) writeonly buffer VisibleShades { VisibleShade visible_shades[]; };
+layout(push_constant) uniform SamplePush { Sample frame; };
+
+// Paths through more specular surfaces are given up and counted.
+const uint MAX_EVENTS = 16u;
+
+// Barycentrics of the point where the ray meets the triangle's plane, clamped to the triangle: raster and rays may
+// disagree by rounding on which triangle of two is hit at an edge.
+vec2 barycentrics_on(uint instance_id, uint primitive, vec3 origin, vec3 direction) {
+    Instance instance = instances[instance_id];
+    uvec3 corner = triangle_vertices(instance, primitive);
+    vec3 a = transform_point(instance.to_world, vertices[corner.x].position) - origin;
+    vec3 b = transform_point(instance.to_world, vertices[corner.y].position) - origin;
+    vec3 c = transform_point(instance.to_world, vertices[corner.z].position) - origin;
+    // Scaled volumes of the ray with each edge; no subtraction of nearly equal hit points.
+    vec3 volume = vec3(dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b)));
+    float sum = volume.x + volume.y + volume.z;
+    if (sum == 0.0) return vec2(1.0 / 3.0);
+    vec3 weight = max(volume / sum, 0.0);
+    return weight.yz / (weight.x + weight.y + weight.z);
+}
+
+// Radiance that lights send over a rough mirror straight into the path.
+vec3 highlights(Surface s, vec3 direction, uint medium) {
+    vec3 sum = vec3(0.0);
+    for (uint index = 0u; index < view.lights; index++) {
+        LightSample light = light_at(lights[index], s.position);
+        if (lights[index].medium != medium || dot(light.to_light, s.geometric) * dot(direction, s.geometric) >= 0.0) {
+            continue;
+        }
+        vec3 lobe = rough_lobe_cosine(s, direction, light.to_light);
+        if (mean(lobe) <= 0.0) continue;
+        vec3 origin = leave(s.position, s.geometric, light.to_light);
+        if (!trace_occluded(Ray(origin, 0.0, light.to_light, light.distance), MASK_ALL)) {
+            sum += lobe * light.irradiance * transmittance(medium, light.distance);
+        }
+    }
+    return sum;
+}
+
+void main() {
+    uint slot = linear_index();
+    uint pixels = view.width * view.rows;
+    if (slot >= pixels * VISIBLE_LAYERS) return;
+    uint pixel = slot % pixels;
+    bool reflected_layer = slot >= pixels;
+    uint seed = combine(combine(view.seed, pixel + view.first_row * view.width), reflected_layer ? 1u : 0u);
+
+    vec3 origin = view.position;
+    vec3 direction = normalize(pixel_direction(uvec2(pixel % view.width, pixel / view.width), frame.jitter));
+    uvec2 ids = primary_ids[pixel];
+    uint instance = ids.x - 1u; // wraps to NO_INSTANCE where nothing is seen
+    uint primitive = ids.y;
+    vec2 barycentrics = instance == NO_INSTANCE ? vec2(0.0) : barycentrics_on(instance, primitive, origin, direction);
+
+    uint medium = view.medium;
+    vec3 throughput = vec3(1.0);
+    vec3 collected = vec3(0.0); // radiance met on the way
+    float distance = 0.0;
+    bool split = false; // whether the path went through the interface that has two layers
+    uint events = 0u;
+    VisiblePoint point = VisiblePoint(vec3(0.0), NO_INSTANCE, 0u, 0u, 0.0, 0u);
+    VisibleShade shade = VisibleShade(vec3(0.0), 0.0, vec3(0.0), 0u);
+
+    for (; events <= MAX_EVENTS; events++) {
+        if (instance == NO_INSTANCE) {
+            collected += throughput * view.background;
+            break;
+        }
+        Surface s = surface_at(instance, primitive, barycentrics);
+        float segment = length(s.position - origin);
+        distance += segment;
+        throughput *= transmittance(medium, segment);
+        uint kind = materials[s.material].kind;
+        if (kind == MATERIAL_DIFFUSE) {
+            bool front = dot(direction, s.geometric) < 0.0;
+            point.position = s.position;
+            point.instance = instance;
+            point.normal = pack_direction(front ? s.shading : -s.shading);
+            point.geometric = pack_direction(front ? s.geometric : -s.geometric);
+            point.footprint = distance * view.pixel_angle;
+            point.medium = medium;
+            shade = VisibleShade(throughput, distance, albedo_at(s), events);
+            break;
+        }
+        vec3 before = direction;
+        bool crosses = false;
+        if (kind == MATERIAL_DIELECTRIC) {
+            Interface i = interface_at(s, direction);
+            bool reflects;
+            if (i.reflectance >= 1.0) {
+                reflects = true;
+            } else if (!split) {
+                split = true;
+                reflects = reflected_layer;
+                // What was met before is in the other layer already.
+                if (reflected_layer) collected = vec3(0.0);
+                throughput *= reflects ? i.reflectance : 1.0 - i.reflectance;
+            } else {
+                reflects = sample_1d(frame.index, combine(seed, events)) < i.reflectance;
+            }
+            if (reflects) {
+                direction = reflected(i, direction);
+            } else {
+                direction = refracted(i, direction);
+                // L/n^2 is what is conserved.
+                throughput *= i.eta * i.eta;
+                medium = i.beyond;
+                crosses = true;
+            }
+        } else if (kind == MATERIAL_MIRROR) {
+            vec3 n = dot(direction, s.geometric) < 0.0 ? s.shading : -s.shading;
+            direction = normalize(reflect(direction, n));
+            throughput *= materials[s.material].color;
+        } else {
+            collected += throughput * highlights(s, direction, medium);
+            vec3 weight;
+            direction = reflect_rough(s, direction, sample_2d(frame.index, combine(seed, events)), weight);
+            throughput *= weight;
+            if (mean(weight) <= 0.0) break;
+        }
+        if (!stays_on_side(s, before, direction, crosses)) {
+            atomicAdd(counters.wrong_side, 1u);
+            break;
+        }
+        origin = leave(s.position, s.geometric, direction);
+        if (events == MAX_EVENTS) {
+            atomicAdd(counters.too_long, 1u);
+            break;
+        }
+        Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);
+        instance = hit.instance;
+        primitive = hit.primitive;
+        barycentrics = hit.barycentrics;
+    }
+
+    // A path without an interface has nothing to reflect: its second layer is empty.
+    if (reflected_layer && !split) {
+        collected = vec3(0.0);
+        point.instance = NO_INSTANCE;
+    }
+    if (!all_finite(collected) || !all_finite(shade.throughput) || !all_finite(point.position)) {
+        atomicAdd(counters.non_finite, 1u);
+        collected = vec3(0.0);
+        point.instance = NO_INSTANCE;
+    }
+    film_direct[slot] += vec4(collected, 0.0);
+    visible_points[slot] = point;
+    visible_shades[slot] = shade;
+}

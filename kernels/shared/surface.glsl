@@ -1,0 +1,70 @@
+// From a hit to what is there.
+#include "shared/math.glsl"
+#include "shared/scene.glsl"
+
+struct Surface {
+    vec3 position;  // world space
+    vec3 geometric; // unit normal of the front side, world space
+    vec3 shading;   // unit, interpolated, on the side of `geometric`
+    vec2 uv;
+    uint material;
+};
+
+Surface surface_at(uint instance_id, uint primitive, vec2 barycentrics) {
+    Instance instance = instances[instance_id];
+    uvec3 corner = triangle_vertices(instance, primitive);
+    Vertex a = vertices[corner.x];
+    Vertex b = vertices[corner.y];
+    Vertex c = vertices[corner.z];
+    vec3 weight = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    vec3 pa = transform_point(instance.to_world, a.position);
+    vec3 pb = transform_point(instance.to_world, b.position);
+    vec3 pc = transform_point(instance.to_world, c.position);
+
+    Surface s;
+    s.position = pa * weight.x + pb * weight.y + pc * weight.z;
+    s.geometric = normalize(cross(pb - pa, pc - pa));
+    if (instance.mirrored != 0u) s.geometric = -s.geometric;
+    vec3 normal = a.normal * weight.x + b.normal * weight.y + c.normal * weight.z;
+    vec3 world = transform_normal(instance.to_object, normal);
+    float size = length(world);
+    // Opposite normals at the corners can cancel; the face's own normal is then the best answer.
+    s.shading = size > 1e-12 ? world / size : s.geometric;
+    if (dot(s.shading, s.geometric) < 0.0) s.shading = -s.shading;
+    s.uv = vec2(a.u, a.v) * weight.x + vec2(b.u, b.v) * weight.y + vec2(c.u, c.v) * weight.z;
+    s.material = instance.material;
+    return s;
+}
+
+vec3 texel(Texture t, uint x, uint y) {
+    uint bits = texels[t.first_texel + y * t.width + x];
+    vec3 root = vec3(bits & 1023u, (bits >> 10) & 1023u, (bits >> 20) & 1023u) / 1023.0;
+    return root * root;
+}
+
+// Bilinear, repeating; v = 0 is the image's bottom.
+vec3 texture_color(uint index, vec2 uv) {
+    Texture t = textures[index];
+    vec2 size = vec2(t.width, t.height);
+    vec2 at = fract(vec2(uv.x, 1.0 - uv.y)) * size - 0.5;
+    vec2 low = floor(at);
+    vec2 part = at - low;
+    uvec2 first = uvec2(mod(low + size, size));
+    uvec2 second = uvec2((first.x + 1u) % t.width, (first.y + 1u) % t.height);
+    vec3 top = mix(texel(t, first.x, first.y), texel(t, second.x, first.y), part.x);
+    vec3 bottom = mix(texel(t, first.x, second.y), texel(t, second.x, second.y), part.x);
+    return mix(top, bottom, part.y);
+}
+
+vec3 albedo_at(Surface s) {
+    Material material = materials[s.material];
+    return material.texture == NO_TEXTURE ? material.color : material.color * texture_color(material.texture, s.uv);
+}
+
+// Where a ray that leaves the surface on the side of `direction` starts. Positions are good to a few units in the last
+// place of their largest coordinate, transforms included; a hundred of them clear the surface.
+vec3 leave(vec3 position, vec3 geometric, vec3 direction) {
+    vec3 size = abs(position);
+    float step = 1e-5 * max(max(size.x, size.y), max(size.z, 1e-2));
+    return position + geometric * (dot(direction, geometric) < 0.0 ? -step : step);
+}

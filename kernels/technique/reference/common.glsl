@@ -1,0 +1,53 @@
+// Stochastic progressive photon mapping (Hachisuka and Jensen 2009): shared by the reference's kernels.
+#include "shared/index.glsl"
+#include "shared/view.glsl"
+#include "shared/visible.glsl"
+#include "shared/scene.glsl"
+#include "shared/math.glsl"
+
+struct Photon {
+    vec3 position;
+    uint normal;   // packed, on the side the photon came from
+    vec3 flux;     // W
+    uint landed;   // 1 where the slot holds a photon
+};
+
+// What a pixel layer has gathered so far.
+struct Statistic {
+    vec3 irradiance_flux; // W within the radius, of all passes
+    float radius2;        // m2; 0 before the first visible point
+    vec3 radiance_flux;   // as irradiance_flux, each pass weighted by throughput * albedo / pi
+    float photons;        // N of the paper: gathered, times alpha for each pass
+};
+
+// Cells are this many to the largest radius in use: finer cells cost more look-ups, coarser ones more photons looked
+// at in vain where pixels are small.
+const float CELLS_PER_RADIUS = 2.0;
+const uint CELLS_PER_AXIS = 6u; // that a gathering sphere can touch at most: 2 * CELLS_PER_RADIUS + 1, and rounding
+
+struct GridState {
+    uint max_radius; // the largest radius in use, as the bits of a float in m (positive floats order as their bits do)
+    uint non_finite;
+    uint padding0;
+    uint padding1;
+};
+
+layout(set = 3, binding = 0, std430) buffer PhotonGrid { GridState grid; };
+
+float cell_size() {
+    return max(uintBitsToFloat(grid.max_radius) / CELLS_PER_RADIUS, 1e-9);
+}
+
+ivec3 cell_of(vec3 position, float size) {
+    // Far outside the representable range photons share border cells; nothing is gathered there.
+    return ivec3(clamp(floor(position / size), vec3(-1e9), vec3(1e9)));
+}
+
+// Buckets are a power of two.
+uint bucket_of(ivec3 cell, uint buckets) {
+    uint h = uint(cell.x) * 0x8da6b343u ^ uint(cell.y) * 0xd8163841u ^ uint(cell.z) * 0xcb1ab31fu;
+    h ^= h >> 15;
+    h *= 0x2c1b3c6du;
+    h ^= h >> 13;
+    return h & (buckets - 1u);
+}

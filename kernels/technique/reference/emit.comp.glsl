@@ -1,0 +1,136 @@
+// Sends photons from the lights through the cells that specular objects fill, and follows each through S+ to the first
+// diffuse surface. Photon slots are fixed, so that nothing depends on the order of threads.
+#include "technique/reference/common.glsl"
+#include "shared/optics.glsl"
+#include "shared/random.glsl"
+#include "shared/emission.glsl"
+#include "trace/interface.glsl"
+
+layout(set = 3, binding = 2, std430) readonly buffer EmissionCells { EmissionCell emission_cells[]; };
+layout(set = 3, binding = 3, std430) writeonly buffer Photons { Photon photons[]; };
+layout(set = 3, binding = 4, std430) buffer Ledger { uint ledger[]; };
+layout(push_constant) uniform EmitPush {
+    uint pass;
+    uint cells;
+    uint samples;     // a cell and pass
+    uint split;       // 1: both branches of the first interface are followed, a slot each
+    uint classes;     // bits of the path classes that are kept
+    uint seed;
+    float ledger_unit; // W
+    uint slots;
+} push;
+
+// Photons that meet more specular surfaces are given up and counted.
+const uint MAX_EVENTS = 32u;
+
+// Entries of the ledger, two words each.
+const uint LANDED = 0u;
+const uint ABSORBED = 1u;
+const uint ESCAPED = 2u;
+const uint UNFOCUSED = 3u;  // met a diffuse surface first: direct light
+const uint GIVEN_UP = 4u;
+const uint OTHER_CLASS = 5u;
+const uint WRONG_SIDE = 6u;
+const uint NON_FINITE = 7u;
+
+void book(uint entry, vec3 flux) {
+    uint amount = uint(clamp(mean(flux) / push.ledger_unit + 0.5, 0.0, 4.0e9));
+    uint before = atomicAdd(ledger[2u * entry], amount);
+    if (before + amount < before) atomicAdd(ledger[2u * entry + 1u], 1u);
+}
+
+// The bit of a path by how often it was refracted and reflected.
+uint path_class(uint refractions, uint reflections) {
+    if (reflections == 0u) return refractions == 1u ? 1u : 2u;
+    if (refractions == 0u) return reflections == 1u ? 4u : 8u;
+    return 16u;
+}
+
+void main() {
+    uint slot = linear_index();
+    if (slot >= push.slots) return;
+    photons[slot] = Photon(vec3(0.0), 0u, vec3(0.0), 0u);
+    uint ray = push.split != 0u ? slot / 2u : slot;
+    bool second_branch = push.split != 0u && (slot & 1u) != 0u;
+    uint cell_index = ray / push.samples;
+    EmissionCell cell = emission_cells[cell_index];
+    uint index = push.pass * push.samples + ray % push.samples;
+    uint seed = combine(push.seed, cell_index);
+
+    vec3 origin, direction, flux;
+    emit(cell, lights[cell.light], sample_2d(index, seed), origin, direction, flux);
+    flux /= float(push.samples);
+    uint medium = lights[cell.light].medium;
+    uint refractions = 0u;
+    uint reflections = 0u;
+
+    for (uint event = 0u; event <= MAX_EVENTS; event++) {
+        Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);
+        bool first = event == 0u;
+        if (hit.instance == NO_INSTANCE) {
+            if (!(first && second_branch)) book(ESCAPED, flux);
+            return;
+        }
+        Surface s = surface_at(hit.instance, hit.primitive, hit.barycentrics);
+        vec3 left = flux * transmittance(medium, length(s.position - origin));
+        uint kind = materials[s.material].kind;
+        if (first && second_branch && kind != MATERIAL_DIELECTRIC) return;
+        if (!(first && second_branch)) book(ABSORBED, flux - left);
+        flux = left;
+        if (kind == MATERIAL_DIFFUSE) {
+            bool front = dot(direction, s.geometric) < 0.0;
+            if (first) {
+                book(UNFOCUSED, flux);
+            } else if ((path_class(refractions, reflections) & push.classes) == 0u) {
+                book(OTHER_CLASS, flux);
+            } else if (!all_finite(flux) || !all_finite(s.position)) {
+                book(NON_FINITE, vec3(push.ledger_unit));
+            } else {
+                book(LANDED, flux);
+                photons[slot] = Photon(s.position, pack_direction(front ? s.shading : -s.shading), flux, 1u);
+            }
+            return;
+        }
+        if (event == MAX_EVENTS) break;
+        vec3 before = direction;
+        bool crosses = false;
+        if (kind == MATERIAL_DIELECTRIC) {
+            Interface i = interface_at(s, direction);
+            bool reflects;
+            if (first && push.split != 0u) {
+                reflects = second_branch;
+                flux *= reflects ? i.reflectance : 1.0 - i.reflectance;
+                if (mean(flux) <= 0.0) return;
+            } else {
+                reflects = sample_1d(index, combine(seed, event + 1u)) < i.reflectance;
+            }
+            if (reflects) {
+                direction = reflected(i, direction);
+                reflections++;
+            } else {
+                direction = refracted(i, direction);
+                medium = i.beyond;
+                crosses = true;
+                refractions++;
+            }
+        } else {
+            vec3 weight;
+            if (kind == MATERIAL_MIRROR) {
+                direction = normalize(reflect(direction, dot(direction, s.geometric) < 0.0 ? s.shading : -s.shading));
+                weight = materials[s.material].color;
+            } else {
+                direction = reflect_rough(s, direction, sample_2d(index, combine(seed, event + 1u)), weight);
+            }
+            book(ABSORBED, flux * (1.0 - weight));
+            flux *= weight;
+            if (mean(flux) <= 0.0) return;
+            reflections++;
+        }
+        if (!stays_on_side(s, before, direction, crosses)) {
+            book(WRONG_SIDE, flux);
+            return;
+        }
+        origin = leave(s.position, s.geometric, direction);
+    }
+    book(GIVEN_UP, flux);
+}

@@ -1,0 +1,191 @@
+//! What a frame writes: sums over samples on the device, layers of an image on the host.
+
+use crate::gpu::{Bindings, Buffer, Device, GpuError, Recorder};
+use crate::image::{Channel, FINAL_LAYER, Layer, LayeredImage, RgbImage};
+use crate::view::Band;
+
+/// Layers of visible points a pixel: direct or refracted, and reflected.
+pub const VISIBLE_LAYERS: u64 = 2;
+
+/// Bytes of the largest buffer that a pixel has a share of: both layers of one 32-byte record.
+pub const LARGEST_BYTES_PER_PIXEL: u64 = 2 * 32;
+
+crate::gpu_struct! {
+    /// What the frame's kernels left out, and why; see `kernels/shared/film.glsl`.
+    #[derive(Default)]
+    pub struct FrameCounters {
+        pub non_finite: u32,
+        pub too_long: u32,
+        pub wrong_side: u32,
+        pub padding0: u32,
+    }
+}
+
+/// The film of one band.
+pub struct Film {
+    pub bindings: Bindings,
+    width: u32,
+    rows: u32,
+    direct: Buffer,
+    albedo: Buffer,
+    normal: Buffer,
+    caustic: Buffer,
+    irradiance: Buffer,
+    counters: Buffer,
+}
+
+impl Film {
+    /// An empty film of `width` pixels by the band's rows.
+    pub fn new(device: &Device, width: u32, band: Band) -> Result<Self, GpuError> {
+        let pixels = u64::from(width) * u64::from(band.count);
+        let buffer = |name, layers: u64| Buffer::new(device, name, pixels * layers * 16);
+        let direct = buffer("film direct", VISIBLE_LAYERS)?;
+        let albedo = buffer("film albedo", 1)?;
+        let normal = buffer("film normal", 1)?;
+        let caustic = buffer("film caustic", VISIBLE_LAYERS)?;
+        let irradiance = buffer("film irradiance", 1)?;
+        let counters = Buffer::new(device, "film counters", 16)?;
+        let mut recorder = Recorder::new(device)?;
+        let mut pass = recorder.pass("film/clear")?;
+        for buffer in [&direct, &albedo, &normal, &caustic, &irradiance, &counters] {
+            pass.fill(buffer, 0);
+        }
+        drop(pass);
+        recorder.submit()?;
+        let bindings = Bindings::new()
+            .buffer("FilmDirect", &direct)
+            .buffer("FilmAlbedo", &albedo)
+            .buffer("FilmNormal", &normal)
+            .buffer("FilmCaustic", &caustic)
+            .buffer("FilmIrradiance", &irradiance)
+            .buffer("Counters", &counters);
+        Ok(Film { bindings, width, rows: band.count, direct, albedo, normal, caustic, irradiance, counters })
+    }
+
+    /// Pixels of the band.
+    pub fn pixels(&self) -> u32 {
+        self.width * self.rows
+    }
+
+    /// The band's layers after `samples` samples: means over the samples.
+    pub fn read(&self, samples: u32) -> Result<FilmRows, GpuError> {
+        let pixels = self.pixels() as usize;
+        let scale = 1.0 / samples.max(1) as f32;
+        let mean = |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> {
+            values.into_iter().map(|v| v.map(|x| x * scale)).collect()
+        };
+        Ok(FilmRows {
+            direct: mean(self.direct.read(pixels * VISIBLE_LAYERS as usize)?),
+            caustic: self.caustic.read(pixels * VISIBLE_LAYERS as usize)?,
+            irradiance: self.irradiance.read(pixels)?,
+            albedo: mean(self.albedo.read(pixels)?),
+            normal: mean(self.normal.read(pixels)?),
+        })
+    }
+
+    pub fn counters(&self) -> Result<FrameCounters, GpuError> {
+        Ok(self.counters.read(1)?.first().copied().unwrap_or_default())
+    }
+
+    /// Relative noise of the caustic irradiance, estimated from two halves of the passes: RMS difference of the
+    /// halves' pictures over twice the mean. `None` before both halves have passes.
+    pub fn noise(&self, passes: u32) -> Result<Option<f32>, GpuError> {
+        if passes < 2 {
+            return Ok(None);
+        }
+        let values: Vec<[f32; 4]> = self.irradiance.read(self.pixels() as usize)?;
+        Ok(relative_noise(&values, passes))
+    }
+}
+
+/// Irradiance in rgb; in w what the odd passes contribute to its mean over the channels.
+fn relative_noise(values: &[[f32; 4]], passes: u32) -> Option<f32> {
+    let odd_part = f64::from(passes / 2) / f64::from(passes);
+    let (mut sum, mut squares) = (0.0f64, 0.0f64);
+    for &[r, g, b, odd] in values {
+        let mean = f64::from(r + g + b) / 3.0;
+        let difference = f64::from(odd) / odd_part - (mean - f64::from(odd)) / (1.0 - odd_part);
+        sum += mean;
+        squares += difference * difference;
+    }
+    let mean = sum / values.len() as f64;
+    (mean > 0.0).then(|| ((squares / values.len() as f64).sqrt() / (2.0 * mean)) as f32)
+}
+
+/// One band's layers on the host.
+pub struct FilmRows {
+    direct: Vec<[f32; 4]>,
+    caustic: Vec<[f32; 4]>,
+    irradiance: Vec<[f32; 4]>,
+    albedo: Vec<[f32; 4]>,
+    normal: Vec<[f32; 4]>,
+}
+
+/// The picture's layers from its bands, top to bottom.
+///
+/// `final` = `refracted` + `reflected`, each direct and caustic radiance seen through that layer; `direct` holds both
+/// layers' direct radiance, `caustic` the irradiance at the first layer's points.
+pub fn assemble(width: usize, height: usize, bands: &[FilmRows]) -> LayeredImage {
+    let join = |pick: &dyn Fn(&FilmRows) -> Vec<[f32; 3]>| -> Vec<[f32; 3]> { bands.iter().flat_map(pick).collect() };
+    let layer = |band: &FilmRows, index: usize| -> Vec<[f32; 3]> {
+        let pixels = band.albedo.len();
+        let range = index * pixels..(index + 1) * pixels;
+        band.direct[range.clone()].iter().zip(&band.caustic[range]).map(|(d, c)| add(rgb(d), rgb(c))).collect()
+    };
+    let refracted = join(&|band| layer(band, 0));
+    let reflected = join(&|band| layer(band, 1));
+    let total = refracted.iter().zip(&reflected).map(|(a, b)| add(*a, *b)).collect::<Vec<_>>();
+    let direct = join(&|band| {
+        let (first, second) = band.direct.split_at(band.albedo.len());
+        first.iter().zip(second).map(|(a, b)| add(rgb(a), rgb(b))).collect()
+    });
+    let rgb_layers = [
+        (FINAL_LAYER, total),
+        ("caustic", join(&|band| band.irradiance.iter().map(rgb).collect())),
+        ("direct", direct),
+        ("refracted", refracted),
+        ("reflected", reflected),
+        ("albedo", join(&|band| band.albedo.iter().map(rgb).collect())),
+    ];
+    let mut layers: Vec<Layer> = rgb_layers
+        .into_iter()
+        .map(|(name, pixels)| Layer::from_rgb(name, &RgbImage { width, height, pixels }))
+        .collect();
+    let all = |index: usize| -> Vec<f32> { bands.iter().flat_map(|b| b.normal.iter().map(move |n| n[index])).collect() };
+    let channel = |name: &str, samples| Channel { name: name.to_string(), samples };
+    layers.push(Layer {
+        name: "normal".to_string(),
+        width,
+        height,
+        channels: vec![channel("X", all(0)), channel("Y", all(1)), channel("Z", all(2))],
+    });
+    layers.push(Layer { name: "depth".to_string(), width, height, channels: vec![channel("Z", all(3))] });
+    LayeredImage { layers, attributes: Default::default() }
+}
+
+fn rgb(value: &[f32; 4]) -> [f32; 3] {
+    [value[0], value[1], value[2]]
+}
+
+fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_the_error_of_the_mean_of_two_halves() {
+        // Halves 1 + e and 1 - e: the mean is 1 and off by e as far as the halves can tell.
+        let e = 0.1f32;
+        let pixels: Vec<[f32; 4]> = (0..100)
+            .map(|i| {
+                let odd = if i % 2 == 0 { 1.0 + e } else { 1.0 - e };
+                [1.0, 1.0, 1.0, odd / 2.0]
+            })
+            .collect();
+        let noise = relative_noise(&pixels, 10).unwrap();
+        assert!((noise - e).abs() < 1e-6, "{noise}");
+    }
+}

@@ -1,0 +1,26 @@
+//! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
+
+use crate::gpu::{GpuStruct, Layout};
+use crate::{film, frame, gpu_scene, technique, trace, view};
+
+/// All of them.
+pub fn layouts() -> Vec<Layout> {
+    let mut all = vec![
+        gpu_scene::Vertex::LAYOUT,
+        gpu_scene::records::Instance::LAYOUT,
+        gpu_scene::records::Material::LAYOUT,
+        gpu_scene::records::Medium::LAYOUT,
+        gpu_scene::records::Light::LAYOUT,
+        gpu_scene::records::Texture::LAYOUT,
+        view::View::LAYOUT,
+        film::FrameCounters::LAYOUT,
+        frame::VisiblePoint::LAYOUT,
+        frame::VisibleShade::LAYOUT,
+        frame::Sample::LAYOUT,
+        frame::DrawPush::LAYOUT,
+        technique::emission::EmissionCell::LAYOUT,
+    ];
+    all.extend(technique::reference::LAYOUTS);
+    all.extend(trace::LAYOUTS);
+    all
+}

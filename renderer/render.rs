@@ -1,0 +1,320 @@
+//! From a scene and settings to a picture: the order of things above the frame.
+
+use std::time::Instant;
+
+use crate::film::{self, FilmRows, LARGEST_BYTES_PER_PIXEL};
+use crate::frame::Frame;
+use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
+use crate::gpu_scene::GpuScene;
+use crate::image::{LayeredImage, RenderInfo};
+use crate::scene::{Camera, Scene};
+use crate::stats::{self, PassTotal, Stats};
+use crate::technique::{self, Context, LedgerEntry, Settings, Technique, TechniqueError, TechniqueKind};
+use crate::trace::{self, TraceChoice, TraceError, Tracer};
+use crate::view::{Band, View};
+
+/// Pixels along one side of a picture, at most.
+pub const MAX_SIDE: u32 = 16384;
+
+/// How a scene is to be rendered; `Default` is what the command line does when told nothing.
+#[derive(Debug, Clone, Default)]
+pub struct RenderSettings {
+    pub device: DeviceRequest,
+    pub trace: TraceChoice,
+    pub technique: TechniqueKind,
+    /// The scene's first camera if `None`.
+    pub camera: Option<String>,
+    /// Pixels; the scene's film if `None`.
+    pub size: Option<(u32, u32)>,
+    /// Samples a pixel; the scene's film if `None`.
+    pub samples: Option<u32>,
+    pub seed: u32,
+    /// `technique.key=value`.
+    pub set: Vec<String>,
+}
+
+/// Why a picture cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    #[error(transparent)]
+    Technique(#[from] TechniqueError),
+    #[error("{scene} has no camera \"{found}\"; it has: {allowed}")]
+    UnknownCamera { scene: String, found: String, allowed: String },
+    #[error("the picture is {width} x {height} pixels; allowed are 1 to {MAX_SIDE} each way")]
+    Size { width: u32, height: u32 },
+    #[error("{found} samples were asked for; at least 1 is needed")]
+    Samples { found: u32 },
+}
+
+/// How far a render is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Samples of the whole picture.
+    pub done: u32,
+    pub total: u32,
+    /// Estimated relative noise of the caustic light (0.01 = 1 %), now and then.
+    pub noise: Option<f32>,
+}
+
+/// What a render ends in.
+pub struct Picture {
+    pub image: LayeredImage,
+    pub stats: Stats,
+}
+
+/// Renders one picture, sample by sample. A picture too large for the device's buffers is rendered in bands of rows,
+/// each of which gets every sample.
+pub struct Renderer {
+    device: Device,
+    scene: Scene,
+    gpu_scene: GpuScene,
+    tracer: Tracer,
+    trace_choice: String,
+    technique_kind: TechniqueKind,
+    settings: Settings,
+    camera: Camera,
+    size: (u32, u32),
+    samples: u32,
+    seed: u32,
+    bands: Vec<BandState>,
+    done: u32,
+    passes: Vec<PassTotal>,
+    started: Instant,
+}
+
+struct BandState {
+    frame: Frame,
+    technique: Option<Box<dyn Technique>>,
+}
+
+impl Renderer {
+    /// Opens the device, uploads the scene and makes every pipeline.
+    pub fn new(scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let started = Instant::now();
+        let camera = camera(&scene, settings.camera.as_deref())?.clone();
+        let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
+        check_size(size)?;
+        let samples = settings.samples.unwrap_or(scene.film.samples);
+        if samples == 0 {
+            return Err(RenderError::Samples { found: samples });
+        }
+        let technique_settings = Settings::parse(settings.technique, &settings.set)?;
+        let device = Device::open(&settings.device)?;
+        let gpu_scene = GpuScene::new(&device, &scene)?;
+        let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
+        let mut renderer = Renderer {
+            device,
+            scene,
+            gpu_scene,
+            tracer,
+            trace_choice: choice.reason,
+            technique_kind: settings.technique,
+            settings: technique_settings,
+            camera,
+            size,
+            samples,
+            seed: settings.seed,
+            bands: Vec::new(),
+            done: 0,
+            passes: Vec::new(),
+            started,
+        };
+        for band in bands(size, renderer.device.info.limits.storage_range) {
+            let state = renderer.band(band)?;
+            renderer.bands.push(state);
+        }
+        Ok(renderer)
+    }
+
+    fn band(&self, band: Band) -> Result<BandState, GpuError> {
+        let view = View {
+            seed: self.seed,
+            lights: self.scene.lights.len() as u32,
+            ..View::new(&self.camera, &self.scene.film, self.size, band)
+        };
+        let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view)?;
+        let context = Context {
+            device: &self.device,
+            scene: &self.scene,
+            tracer: &self.tracer,
+            frame: &frame,
+            seed: self.seed,
+        };
+        let technique = technique::create(self.technique_kind, &self.settings, &context)?;
+        Ok(BandState { frame, technique })
+    }
+
+    /// Samples that were asked for.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What the device's capabilities led to: `cwbvh tracing, raster visibility`.
+    pub fn tier(&self) -> String {
+        let visibility = self.bands.first().map_or("", |band| band.frame.visibility_tier());
+        format!("{} tracing, {visibility}", self.tracer.backend.variant())
+    }
+
+    /// Why the tracing back-end is the one it is.
+    pub fn trace_choice(&self) -> &str {
+        &self.trace_choice
+    }
+
+    /// Renders one more sample of every pixel, and waits for it.
+    pub fn sample(&mut self) -> Result<Progress, RenderError> {
+        for band in &mut self.bands {
+            let mut recorder = Recorder::new(&self.device)?;
+            band.frame.record(&mut recorder, self.done)?;
+            if let Some(technique) = &mut band.technique {
+                technique.record(&band.frame, &mut recorder, self.done)?;
+            }
+            stats::add_times(&mut self.passes, &recorder.submit()?);
+        }
+        self.done += 1;
+        // Reading the film back costs about as much as a tenth of a sample: asked for at powers of two and at the end.
+        let telling = self.done.is_power_of_two() || self.done == self.samples;
+        Ok(Progress { done: self.done, total: self.samples, noise: if telling { self.noise()? } else { None } })
+    }
+
+    /// The first band's noise stands for the picture's.
+    fn noise(&self) -> Result<Option<f32>, GpuError> {
+        match self.bands.first() {
+            Some(BandState { frame, technique: Some(technique) }) if technique.estimates_noise() => {
+                frame.film.noise(self.done)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The picture of the samples so far.
+    pub fn finish(&self) -> Result<Picture, RenderError> {
+        let rows = self.bands.iter().map(|band| band.frame.film.read(self.done)).collect::<Result<Vec<FilmRows>, _>>()?;
+        let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
+        image.attributes = RenderInfo {
+            scene: self.scene.path.display().to_string(),
+            technique: self.technique_kind.name().to_string(),
+            camera: self.camera.name.clone(),
+            samples: self.done,
+            seed: self.seed.into(),
+            device: self.device.info.describe(),
+        }
+        .attributes();
+        Ok(Picture { image, stats: self.stats()? })
+    }
+
+    fn stats(&self) -> Result<Stats, RenderError> {
+        let info = &self.device.info;
+        Ok(Stats {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: self.scene.path.display().to_string(),
+            camera: self.camera.name.clone(),
+            technique: self.technique_kind.name(),
+            settings: self.settings.iter().map(|(k, v)| (k.to_string(), v.to_string())).collect(),
+            width: self.size.0,
+            height: self.size.1,
+            samples: self.done,
+            seed: self.seed,
+            device: info.name.clone(),
+            driver: info.driver.clone(),
+            driver_version: info.driver_version.clone(),
+            capabilities: self.device.capabilities.clone(),
+            tier: self.tier(),
+            trace: self.tracer.backend.variant(),
+            trace_choice: self.trace_choice.clone(),
+            bands: self.bands.len() as u32,
+            passes: self.passes.clone(),
+            cpu_seconds: stats::cpu_seconds(),
+            wall_seconds: self.started.elapsed().as_secs_f64(),
+            peak_memory_bytes: self.device.peak_memory(),
+            ledger: self.ledger()?,
+            noise: self.noise()?,
+            warnings: self.warnings()?,
+        })
+    }
+
+    /// Every band sends the same photons, so the first band's ledger is the picture's.
+    fn ledger(&self) -> Result<Vec<LedgerEntry>, GpuError> {
+        match self.bands.first().and_then(|band| band.technique.as_ref()) {
+            Some(technique) => technique.ledger(self.done),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    fn warnings(&self) -> Result<Vec<String>, GpuError> {
+        let mut warnings = self.scene.warnings.clone();
+        warnings.extend(self.device.warnings());
+        for band in &self.bands {
+            let counters = band.frame.film.counters()?;
+            for (count, what) in [
+                (counters.non_finite, "values that were not finite were left out"),
+                (counters.too_long, "camera paths met more than 16 specular surfaces and were given up"),
+                (counters.wrong_side, "camera paths were bent across a surface by its shading normals and were given up"),
+            ] {
+                if count > 0 {
+                    warnings.push(format!("{count} {what}"));
+                }
+            }
+            if let Some(technique) = &band.technique {
+                warnings.extend(technique.warnings()?);
+            }
+        }
+        warnings.dedup();
+        Ok(warnings)
+    }
+}
+
+fn camera<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a Camera, RenderError> {
+    let found = match name {
+        Some(name) => scene.cameras.iter().find(|camera| camera.name == name),
+        None => scene.cameras.first(),
+    };
+    found.ok_or_else(|| RenderError::UnknownCamera {
+        scene: scene.path.display().to_string(),
+        found: name.unwrap_or_default().to_string(),
+        allowed: scene.cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// Fails for a picture that is empty or larger than is allowed.
+pub fn check_size((width, height): (u32, u32)) -> Result<(), RenderError> {
+    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
+        Ok(())
+    } else {
+        Err(RenderError::Size { width, height })
+    }
+}
+
+/// Bands of rows whose largest buffer fits into a storage range of `limit` bytes.
+fn bands((width, height): (u32, u32), limit: u64) -> Vec<Band> {
+    let rows = (limit / (LARGEST_BYTES_PER_PIXEL * u64::from(width))).clamp(1, u64::from(height)) as u32;
+    (0..height).step_by(rows as usize).map(|first| Band { first, count: rows.min(height - first) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_every_row_once_and_fit() {
+        for (size, limit) in [((480, 360), 1 << 27), ((1920, 1080), 1 << 27), ((16384, 16384), 1 << 27), ((7, 5), 1)] {
+            let bands = bands(size, limit);
+            assert_eq!(bands.iter().map(|b| b.count).sum::<u32>(), size.1);
+            assert!(bands.windows(2).all(|pair| pair[0].first + pair[0].count == pair[1].first));
+            let largest = bands.iter().map(|b| u64::from(b.count) * u64::from(size.0) * LARGEST_BYTES_PER_PIXEL).max();
+            assert!(largest <= Some(limit) || bands.iter().all(|b| b.count == 1));
+        }
+        assert_eq!(bands((1920, 1080), 1 << 27).len(), 1, "full HD fits the portable storage range in one band");
+    }
+}

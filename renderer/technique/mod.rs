@@ -1,0 +1,112 @@
+//! Techniques: each adds caustic light to the film, nothing else.
+
+pub mod emission;
+pub mod reference;
+mod settings;
+
+pub use settings::{Setting, SettingKind, Settings};
+
+use crate::frame::Frame;
+use crate::gpu::{Device, GpuError, Recorder};
+use crate::scene::Scene;
+use crate::trace::Tracer;
+
+/// The techniques by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TechniqueKind {
+    /// No caustic light at all.
+    None,
+    /// Stochastic progressive photon mapping: what the others are held against.
+    #[default]
+    Reference,
+}
+
+impl TechniqueKind {
+    pub const ALL: &'static [TechniqueKind] = &[TechniqueKind::None, TechniqueKind::Reference];
+
+    /// The name of the Rust file, the kernel folder, the command-line value and the GPU label.
+    pub fn name(self) -> &'static str {
+        match self {
+            TechniqueKind::None => "none",
+            TechniqueKind::Reference => "reference",
+        }
+    }
+
+    pub fn parse(name: &str) -> Result<Self, TechniqueError> {
+        Self::ALL.iter().copied().find(|kind| kind.name() == name).ok_or_else(|| TechniqueError::Unknown {
+            found: name.to_string(),
+            allowed: Self::ALL.iter().map(|k| k.name()).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// What `--set` can tell it.
+    pub fn settings(self) -> &'static [Setting] {
+        match self {
+            TechniqueKind::None => &[],
+            TechniqueKind::Reference => reference::SETTINGS,
+        }
+    }
+}
+
+/// What is wrong with the choice of a technique or its settings.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum TechniqueError {
+    #[error("there is no technique \"{found}\"; allowed are: {allowed}")]
+    Unknown { found: String, allowed: String },
+    #[error("\"{found}\" is not of the form technique.key=value, such as reference.photons=1000000")]
+    MalformedSetting { found: String },
+    #[error("the setting \"{item}\" is for another technique than {technique}, which is the one in use")]
+    OtherTechnique { item: String, technique: &'static str },
+    #[error("the technique {technique} has no setting \"{found}\"; it has: {allowed}")]
+    UnknownSetting { technique: &'static str, found: String, allowed: String },
+    #[error("{setting} is \"{found}\"; allowed is {allowed}")]
+    SettingValue { setting: String, found: String, allowed: String },
+}
+
+/// What a technique is made from.
+pub struct Context<'a> {
+    pub device: &'a Device,
+    pub scene: &'a Scene,
+    pub tracer: &'a Tracer,
+    pub frame: &'a Frame,
+    pub seed: u32,
+}
+
+/// Where the light went, in W of the mean channel, over all passes.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LedgerEntry {
+    pub name: &'static str,
+    pub watts: f64,
+}
+
+/// Adds caustic light to a frame's film.
+pub trait Technique {
+    /// Records what belongs to sample `index`, after the frame's own passes: afterwards the film's caustic layers
+    /// hold the technique's estimate from all samples up to this one.
+    fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError>;
+
+    /// Where the light went so far; `emitted` first, then what it divides into. W, averaged over the samples.
+    fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError>;
+
+    /// Whether the film holds an estimate of its noise in two halves.
+    fn estimates_noise(&self) -> bool {
+        false
+    }
+
+    /// Things that went wrong without stopping the picture, a sentence each.
+    fn warnings(&self) -> Result<Vec<String>, GpuError> {
+        Ok(Vec::new())
+    }
+}
+
+/// The one place where a technique is made from its name.
+pub fn create(
+    kind: TechniqueKind,
+    settings: &Settings,
+    context: &Context<'_>,
+) -> Result<Option<Box<dyn Technique>>, GpuError> {
+    match kind {
+        TechniqueKind::None => Ok(None),
+        TechniqueKind::Reference => Ok(Some(Box::new(reference::Reference::new(settings, context)?))),
+    }
+}

@@ -1,0 +1,142 @@
+//! The table of `--set technique.key=value`: what each technique can be told, in what range.
+
+use super::{TechniqueError, TechniqueKind};
+
+/// One setting of a technique.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    pub key: &'static str,
+    pub kind: SettingKind,
+    pub default: &'static str,
+    /// What the number counts; empty for a choice.
+    pub unit: &'static str,
+    pub help: &'static str,
+}
+
+/// The values that a setting takes.
+#[derive(Debug, Clone, Copy)]
+pub enum SettingKind {
+    Integer { min: i64, max: i64 },
+    Number { min: f64, max: f64 },
+    Choice(&'static [&'static str]),
+}
+
+impl SettingKind {
+    /// The allowed values, for messages and help.
+    pub fn allowed(&self) -> String {
+        match self {
+            SettingKind::Integer { min, max } => format!("an integer from {min} to {max}"),
+            SettingKind::Number { min, max } => format!("a number from {min} to {max}"),
+            SettingKind::Choice(values) => format!("one of {}", values.join(", ")),
+        }
+    }
+
+    fn accepts(&self, value: &str) -> bool {
+        match self {
+            SettingKind::Integer { min, max } => value.parse::<i64>().is_ok_and(|v| (*min..=*max).contains(&v)),
+            SettingKind::Number { min, max } => value.parse::<f64>().is_ok_and(|v| (*min..=*max).contains(&v)),
+            SettingKind::Choice(values) => values.contains(&value),
+        }
+    }
+}
+
+/// The settings of one technique, each checked and filled in.
+#[derive(Debug, Clone)]
+pub struct Settings(Vec<(&'static str, String)>);
+
+impl Settings {
+    /// Reads `technique.key=value` items for `kind`. Later items win.
+    pub fn parse(kind: TechniqueKind, items: &[String]) -> Result<Self, TechniqueError> {
+        let table = kind.settings();
+        let mut values: Vec<_> = table.iter().map(|s| (s.key, s.default.to_string())).collect();
+        for item in items {
+            let (key, value) = split(kind, item)?;
+            let position = table.iter().position(|s| s.key == key).ok_or_else(|| {
+                TechniqueError::UnknownSetting {
+                    technique: kind.name(),
+                    found: key.to_string(),
+                    allowed: if table.is_empty() {
+                        "none".to_string()
+                    } else {
+                        table.iter().map(|s| s.key).collect::<Vec<_>>().join(", ")
+                    },
+                }
+            })?;
+            if !table[position].kind.accepts(value) {
+                return Err(TechniqueError::SettingValue {
+                    setting: format!("{}.{key}", kind.name()),
+                    found: value.to_string(),
+                    allowed: table[position].kind.allowed(),
+                });
+            }
+            values[position].1 = value.to_string();
+        }
+        Ok(Settings(values))
+    }
+
+    fn text(&self, key: &str) -> &str {
+        self.0.iter().find(|(k, _)| *k == key).map_or("", |(_, v)| v)
+    }
+
+    pub fn integer(&self, key: &str) -> u32 {
+        self.text(key).parse().unwrap_or_default()
+    }
+
+    pub fn number(&self, key: &str) -> f32 {
+        self.text(key).parse().unwrap_or_default()
+    }
+
+    pub fn choice(&self, key: &str) -> &str {
+        self.text(key)
+    }
+
+    /// As given and filled in, for the record.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.0.iter().map(|(k, v)| (*k, v.as_str()))
+    }
+}
+
+/// `reference.photons=1000` for the technique `reference` is (`photons`, `1000`).
+fn split(kind: TechniqueKind, item: &str) -> Result<(&str, &str), TechniqueError> {
+    let malformed = || TechniqueError::MalformedSetting { found: item.to_string() };
+    let (path, value) = item.split_once('=').ok_or_else(malformed)?;
+    let (technique, key) = path.split_once('.').ok_or_else(malformed)?;
+    let of = TechniqueKind::parse(technique.trim())?;
+    if of != kind {
+        return Err(TechniqueError::OtherTechnique { item: item.to_string(), technique: kind.name() });
+    }
+    Ok((key.trim(), value.trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(item: &str) -> String {
+        Settings::parse(TechniqueKind::Reference, &[item.to_string()]).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn settings_are_checked_against_the_table() {
+        let settings = Settings::parse(TechniqueKind::Reference, &["reference.photons=1000".to_string()]).unwrap();
+        assert_eq!(settings.integer("photons"), 1000);
+        assert_eq!(settings.choice("fresnel"), "chance");
+        assert_eq!(
+            message("reference.photon=1"),
+            "the technique reference has no setting \"photon\"; it has: photons, radius, alpha, fresnel, paths"
+        );
+        assert!(message("reference.photons=0").starts_with("reference.photons is \"0\"; allowed is an integer from"));
+        assert!(message("photons=0").contains("is not of the form technique.key=value"));
+        assert!(message("none.x=1").contains("is for another technique than reference"));
+        assert!(message("reference.alpha=nan").contains("allowed is a number"));
+    }
+
+    #[test]
+    fn defaults_are_allowed_values() {
+        for kind in TechniqueKind::ALL {
+            for setting in kind.settings() {
+                assert!(setting.kind.accepts(setting.default), "{} {}", kind.name(), setting.key);
+            }
+        }
+    }
+}

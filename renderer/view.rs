@@ -1,0 +1,61 @@
+//! The camera as the kernels see it.
+
+use crate::scene::{Camera, FilmSettings};
+
+crate::gpu_struct! {
+    /// The camera and the band of rows that is being rendered; see `kernels/shared/view.glsl`.
+    pub struct View {
+        pub position: [f32; 3],
+        pub width: u32,
+        pub right: [f32; 3],
+        pub height: u32,
+        pub up: [f32; 3],
+        pub first_row: u32,
+        pub forward: [f32; 3],
+        pub rows: u32,
+        pub medium: u32,
+        pub seed: u32,
+        pub pixel_angle: f32,
+        pub lights: u32,
+        pub background: [f32; 3],
+        pub padding0: u32,
+    }
+}
+
+/// Rows `first..first + count` of the picture, rendered together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Band {
+    pub first: u32,
+    pub count: u32,
+}
+
+impl View {
+    /// A film of `width` x `height` pixels behind `camera`.
+    pub fn new(camera: &Camera, film: &FilmSettings, (width, height): (u32, u32), band: Band) -> View {
+        let forward = (camera.target - camera.position).normalize();
+        // Looking along `up`, any other axis serves.
+        let up_hint = if forward.cross(camera.up).length_squared() > 1e-12 { camera.up } else { camera.up.zxy() };
+        let right = forward.cross(up_hint).normalize();
+        let up = right.cross(forward);
+        let half_height = (camera.fov_y.to_radians() * 0.5).tan();
+        let aspect = width as f32 / height as f32;
+        View {
+            position: camera.position.to_array(),
+            width,
+            right: (right * half_height * aspect).to_array(),
+            height,
+            up: (up * half_height).to_array(),
+            first_row: band.first,
+            forward: forward.to_array(),
+            rows: band.count,
+            medium: camera.medium as u32,
+            seed: 0,
+            pixel_angle: 2.0 * half_height / height as f32,
+            lights: 0,
+            background: film.background.to_array(),
+            padding0: 0,
+        }
+    }
+}
+
+use glam::Vec3Swizzles;

@@ -1,0 +1,83 @@
+//! Tests on devices: every case runs on every device found, under validation, and its name carries the device.
+//!
+//! A case that a device cannot run is listed as ignored, with the reason in its name.
+#![allow(dead_code, reason = "each test binary uses its part")]
+
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use nephroid::gpu::{Capabilities, Capability, Device, DeviceInfo, DeviceRequest};
+
+/// A check that runs once a device.
+pub struct Case {
+    pub name: &'static str,
+    /// Capabilities without which the check makes no sense.
+    pub needs: &'static [Capability],
+    /// Capabilities that the device is used without, as in `--disable`.
+    pub disable: &'static str,
+    pub run: fn(&Request),
+}
+
+/// Which device a case runs on.
+pub struct Request {
+    pub info: DeviceInfo,
+    pub device: DeviceRequest,
+}
+
+impl Request {
+    /// Opens the device under validation, as the case asked for it.
+    pub fn open(&self) -> Device {
+        Device::open(&self.device).unwrap()
+    }
+
+    /// The same device with more disabled.
+    pub fn without(&self, disable: &str) -> DeviceRequest {
+        DeviceRequest { disable: Capabilities::parse(disable).unwrap(), ..self.device.clone() }
+    }
+}
+
+/// Fails where the validation layers had anything to say; call it on every device a case opened.
+pub fn assert_valid(device: &Device) {
+    let messages = device.validation_messages();
+    assert!(messages.is_empty(), "{} validation messages, first: {}", messages.len(), messages[0]);
+}
+
+/// Runs the cases on all devices: the `main` of a device test.
+pub fn run(cases: &'static [Case]) -> ExitCode {
+    let arguments = Arguments::from_args();
+    let devices = match Device::list() {
+        Ok(devices) if !devices.is_empty() => devices,
+        found => {
+            // Passing without a device would be a silent skip of everything.
+            let reason = format!("no Vulkan device to test on: {:?}", found.err().map(|e| e.to_string()));
+            let failing = Trial::test("a device is there", || Err(Failed::from(reason)));
+            return libtest_mimic::run(&arguments, vec![failing]).exit_code();
+        }
+    };
+    let trials = devices.iter().flat_map(|info| cases.iter().map(|case| trial(case, info))).collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trial(case: &'static Case, info: &DeviceInfo) -> Trial {
+    let short = info.name.split(" (").next().unwrap_or(&info.name).to_string();
+    let name = format!("{}::{short}", case.name);
+    if let Some(reason) = &info.unsuitable {
+        return Trial::test(format!("{name} (skipped: {reason})"), || Ok(())).with_ignored_flag(true);
+    }
+    if let Some(missing) = case.needs.iter().find(|c| !info.capabilities.has(**c)) {
+        let name = format!("{name} (skipped: the driver lacks {})", missing.name());
+        return Trial::test(name, || Ok(())).with_ignored_flag(true);
+    }
+    let request = Request {
+        info: info.clone(),
+        device: DeviceRequest {
+            device: Some(info.index.to_string()),
+            disable: Capabilities::parse(case.disable).unwrap_or_default(),
+            validation: true,
+        },
+    };
+    Trial::test(name, move || {
+        (case.run)(&request);
+        Ok(())
+    })
+}
