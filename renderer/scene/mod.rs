@@ -219,4 +219,11 @@ impl Scene {
         }
         bounds
     }
+    /// World-space surface area of an instance, m2.
+    pub fn area(&self, instance: &Instance) -> f32 {
+        let mesh = &self.meshes[instance.mesh];
+        let corner = |index: u32| instance.transform.transform_point3(mesh.positions[index as usize]);
+        let doubled = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length();
+        0.5 * mesh.triangles.iter().map(doubled).sum::<f32>()
+    }
 }

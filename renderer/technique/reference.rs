@@ -6,6 +6,7 @@ use super::{Context, LedgerEntry, Setting, SettingKind, Settings, Technique};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use crate::random;
+use crate::scene::Scene;
 
 pub const SETTINGS: &[Setting] = &[
     Setting {
@@ -21,6 +22,13 @@ pub const SETTINGS: &[Setting] = &[
         default: "2",
         unit: "pixels",
         help: "First gathering radius; it shrinks as photons arrive",
+    },
+    Setting {
+        key: "neighbours",
+        kind: SettingKind::Number { min: 0.0, max: 1000.0 },
+        default: "8",
+        unit: "photons",
+        help: "Photons of one sample that the first radius holds at least, were they even over the specular surfaces",
     },
     Setting {
         key: "alpha",
@@ -93,6 +101,7 @@ crate::gpu_struct! {
 crate::gpu_struct! {
     pub struct PreparePush {
         pub radius_pixels: f32,
+        pub least_radius: f32,
         pub max_radius: f32,
     }
 }
@@ -240,6 +249,7 @@ impl Reference {
             },
             prepare: PreparePush {
                 radius_pixels: settings.number("radius"),
+                least_radius: density_radius(context.scene, settings.number("neighbours"), cells * samples),
                 max_radius: MAX_RADIUS * scene_diagonal(context),
             },
             alpha: settings.number("alpha"),
@@ -261,6 +271,12 @@ impl Reference {
         recorder.pass("reference/scatter")?.dispatch(&kernels.scatter, bindings, &push, self.slots)?;
         Ok(())
     }
+}
+
+/// The radius that holds `neighbours` of `photons` photons spread over an area as large as all specular surfaces.
+fn density_radius(scene: &Scene, neighbours: f32, photons: u32) -> f32 {
+    let area: f32 = scene.instances.iter().filter(|i| scene.materials[i.material].surface.is_specular()).map(|i| scene.area(i)).sum();
+    (neighbours * area / (std::f32::consts::PI * photons.max(1) as f32)).sqrt().max(1e-6)
 }
 
 fn scene_diagonal(context: &Context<'_>) -> f32 {

@@ -4,8 +4,9 @@
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 3, binding = 1, std430) buffer Statistics { Statistic statistics[]; };
 layout(push_constant) uniform PreparePush {
-    float radius_pixels; // of the first radius
-    float max_radius;    // m; a bound for grazing views of far surfaces
+    float radius_pixels; // the first radius is this many footprints,
+    float least_radius;  // but at least this, m, so that it holds some photons,
+    float max_radius;    // and at most this, m
 } push;
 
 void main() {
@@ -14,7 +15,7 @@ void main() {
     if (visible_points[slot].instance == NO_INSTANCE) return;
     float radius2 = statistics[slot].radius2;
     if (radius2 == 0.0) {
-        float radius = clamp(push.radius_pixels * visible_points[slot].footprint, 1e-6, push.max_radius);
+        float radius = min(max(push.radius_pixels * visible_points[slot].footprint, push.least_radius), push.max_radius);
         radius2 = radius * radius;
         statistics[slot].radius2 = radius2;
     }
