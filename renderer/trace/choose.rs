@@ -5,8 +5,7 @@ use glam::Vec3;
 use super::{Backend, Probe, Ray, TraceError, Tracer};
 use crate::gpu::Device;
 use crate::gpu_scene::GpuScene;
-use crate::scene::Bounds;
-use crate::scene::Scene;
+use crate::scene::{Bounds, Scene};
 
 /// Rays of one measurement: some milliseconds on a GPU, a tenth of a second on two CPU cores.
 const RAYS: u32 = 1 << 15;
@@ -116,8 +115,7 @@ fn measure(device: &Device, scene: &Scene, gpu_scene: &GpuScene) -> Result<(Trac
         }
         measured.push(measurement);
     }
-    let (tracer, fastest) =
-        best.ok_or_else(|| TraceError::NoRayQuery { device: device.info.name.clone() })?;
+    let (tracer, fastest) = best.ok_or_else(|| TraceError::NoRayQuery { device: device.info.name.clone() })?;
     let speeds: Vec<_> = measured.iter().map(|m| format!("{} {:.2}", m.backend.name(), m.mixed())).collect();
     let reason = format!(
         "Rays are traced by {}, the fastest here ({} million rays a second).",
@@ -141,12 +139,7 @@ fn rays(bounds: &Bounds) -> Vec<Ray> {
             let origin = centre + radius * Vec3::new(across * cos, height, across * sin);
             let unit = Vec3::new(fraction(i, 0.754_877_7), fraction(i, 0.569_840_3), fraction(i, 0.362_069_3));
             let target = centre + 0.25 * (unit - 0.5) * (bounds.max - bounds.min);
-            Ray {
-                origin: origin.to_array(),
-                t_min: 0.0,
-                direction: (target - origin).to_array(),
-                t_max: f32::INFINITY,
-            }
+            Ray { origin: origin.to_array(), t_min: 0.0, direction: (target - origin).to_array(), t_max: f32::INFINITY }
         })
         .collect()
 }

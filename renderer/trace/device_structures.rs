@@ -22,7 +22,8 @@ pub(super) struct DeviceStructures {
 
 impl DeviceStructures {
     pub(super) fn build(device: &Device, scene: &GpuScene) -> Result<Self, GpuError> {
-        let bottom = scene.meshes.iter().map(|range| build_mesh(device, scene, range)).collect::<Result<Vec<_>, _>>()?;
+        let bottom =
+            scene.meshes.iter().map(|range| build_mesh(device, scene, range)).collect::<Result<Vec<_>, _>>()?;
         let top = build_top(device, &bottom, scene)?;
         Ok(DeviceStructures { bottom, top })
     }
@@ -44,18 +45,13 @@ impl DeviceStructures {
     }
 }
 
-fn build_mesh(
-    device: &Device,
-    scene: &GpuScene,
-    range: &MeshRange,
-) -> Result<Option<AccelerationStructure>, GpuError> {
+fn build_mesh(device: &Device, scene: &GpuScene, range: &MeshRange) -> Result<Option<AccelerationStructure>, GpuError> {
     if range.triangles == 0 {
         return Ok(None);
     }
     let stride = size_of::<Vertex>() as u64;
-    let address = |buffer: &Buffer, offset: u64| vk::DeviceOrHostAddressConstKHR {
-        device_address: buffer.address() + offset,
-    };
+    let address =
+        |buffer: &Buffer, offset: u64| vk::DeviceOrHostAddressConstKHR { device_address: buffer.address() + offset };
     let triangles = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
         .vertex_format(vk::Format::R32G32B32_SFLOAT)
         .vertex_data(address(&scene.vertices, u64::from(range.first_vertex) * stride))
@@ -143,8 +139,8 @@ fn build(
     let scratch = Buffer::with_usage(device, "trace scratch", scratch_size, address, MemoryLocation::GpuOnly)?;
     let create = vk::AccelerationStructureCreateInfoKHR::default().buffer(memory.raw).size(size).ty(level);
     // SAFETY: the buffer is as large as the device asked and starts at offset 0.
-    let raw = unsafe { functions.create_acceleration_structure(&create, None) }
-        .call("vkCreateAccelerationStructureKHR")?;
+    let raw =
+        unsafe { functions.create_acceleration_structure(&create, None) }.call("vkCreateAccelerationStructureKHR")?;
     let structure = AccelerationStructure::new(device, raw, memory);
 
     info.dst_acceleration_structure = raw;

@@ -152,19 +152,14 @@ impl Structures {
         let triangles = Buffer::from_slice(device, "trace triangles", &triangles)?;
         let top = Buffer::from_slice(device, "trace top", &top::build(scene, &roots, &masks))?;
         let memory = nodes.size() + triangles.size() + top.size();
-        let bindings = Bindings::new()
-            .buffer("TraceNodes", &nodes)
-            .buffer("TraceTriangles", &triangles)
-            .buffer("TraceTop", &top);
+        let bindings =
+            Bindings::new().buffer("TraceNodes", &nodes).buffer("TraceTriangles", &triangles).buffer("TraceTop", &top);
         Ok((bindings, memory))
     }
 }
 
 /// A tree for each mesh that has triangles.
-fn each_mesh<T>(
-    scene: &Scene,
-    build: impl Fn(&Mesh) -> Result<T, TraceError>,
-) -> Result<Vec<Option<T>>, TraceError> {
+fn each_mesh<T>(scene: &Scene, build: impl Fn(&Mesh) -> Result<T, TraceError>) -> Result<Vec<Option<T>>, TraceError> {
     scene.meshes.iter().map(|mesh| (!mesh.triangles.is_empty()).then(|| build(mesh)).transpose()).collect()
 }
 

@@ -32,14 +32,7 @@ crate::gpu_struct! {
 impl LeafTriangle {
     pub(super) fn new(mesh: &Mesh, primitive: u32) -> Self {
         let [a, b, c] = corners(mesh, primitive).map(Vec3::from);
-        LeafTriangle {
-            a: a.to_array(),
-            primitive,
-            b: b.to_array(),
-            padding0: 0,
-            c: c.to_array(),
-            padding1: 0,
-        }
+        LeafTriangle { a: a.to_array(), primitive, b: b.to_array(), padding0: 0, c: c.to_array(), padding1: 0 }
     }
 }
 

@@ -83,7 +83,13 @@ fn child_box(node: &CwBvhNode, slot: usize, boxes: &[Aabb], fitted: &[Aabb]) -> 
     Some(leaf.iter().fold(Aabb::empty(), |sum, b| sum.union(b)))
 }
 
-fn pack(node: &CwBvhNode, whole: &Aabb, children: &[Option<Aabb>; 8], first_node: u32, first_triangle: u32) -> WideNode {
+fn pack(
+    node: &CwBvhNode,
+    whole: &Aabb,
+    children: &[Option<Aabb>; 8],
+    first_node: u32,
+    first_triangle: u32,
+) -> WideNode {
     let origin = Vec3::from(whole.min);
     let size = Vec3::from(whole.max).as_dvec3() - origin.as_dvec3();
     let exponents = size.to_array().map(step_exponent);
