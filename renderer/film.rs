@@ -71,9 +71,8 @@ impl Film {
     pub fn read(&self, samples: u32) -> Result<FilmRows, GpuError> {
         let pixels = self.pixels() as usize;
         let scale = 1.0 / samples.max(1) as f32;
-        let mean = |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> {
-            values.into_iter().map(|v| v.map(|x| x * scale)).collect()
-        };
+        let mean =
+            |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> { values.into_iter().map(|v| v.map(|x| x * scale)).collect() };
         Ok(FilmRows {
             direct: mean(self.direct.read(pixels * VISIBLE_LAYERS as usize)?),
             caustic: self.caustic.read(pixels * VISIBLE_LAYERS as usize)?,
@@ -151,7 +150,8 @@ pub fn assemble(width: usize, height: usize, bands: &[FilmRows]) -> LayeredImage
         .into_iter()
         .map(|(name, pixels)| Layer::from_rgb(name, &RgbImage { width, height, pixels }))
         .collect();
-    let all = |index: usize| -> Vec<f32> { bands.iter().flat_map(|b| b.normal.iter().map(move |n| n[index])).collect() };
+    let all =
+        |index: usize| -> Vec<f32> { bands.iter().flat_map(|b| b.normal.iter().map(move |n| n[index])).collect() };
     let channel = |name: &str, samples| Channel { name: name.to_string(), samples };
     layers.push(Layer {
         name: "normal".to_string(),

@@ -2,9 +2,7 @@
 //! comes after, and `film` composes.
 
 use crate::film::Film;
-use crate::gpu::{
-    Binding, Bindings, Buffer, Capability, Device, GpuError, Kernel, Raster, RasterTargets, Recorder,
-};
+use crate::gpu::{Binding, Bindings, Buffer, Capability, Device, GpuError, Kernel, Raster, RasterTargets, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::random;
 use crate::trace::Tracer;
@@ -91,7 +89,10 @@ impl Frame {
             .buffer("Views", &Buffer::from_slice(device, "view", &[*view])?)
             .buffer("PrimaryIds", &primary_ids)
             .buffer("VisiblePoints", &Buffer::new(device, "visible points", points * size_of::<VisiblePoint>() as u64)?)
-            .buffer("VisibleShades", &Buffer::new(device, "visible shades", points * size_of::<VisibleShade>() as u64)?);
+            .buffer(
+                "VisibleShades",
+                &Buffer::new(device, "visible shades", points * size_of::<VisibleShade>() as u64)?,
+            );
         Ok(Frame {
             bindings,
             film,
@@ -129,9 +130,7 @@ impl Frame {
                 let items: Vec<_> = self
                     .draws
                     .iter()
-                    .map(|&(instance, vertices)| {
-                        (DrawPush { jitter: sample.jitter, instance, padding0: 0 }, vertices)
-                    })
+                    .map(|&(instance, vertices)| (DrawPush { jitter: sample.jitter, instance, padding0: 0 }, vertices))
                     .collect();
                 recorder.pass("frame/visibility")?.draw(raster, targets, &bindings, &items)?;
                 recorder.pass("frame/visibility-copy")?.copy_image(&targets.color, &self.primary_ids);

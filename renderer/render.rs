@@ -137,13 +137,8 @@ impl Renderer {
             ..View::new(&self.camera, &self.scene.film, self.size, band)
         };
         let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view)?;
-        let context = Context {
-            device: &self.device,
-            scene: &self.scene,
-            tracer: &self.tracer,
-            frame: &frame,
-            seed: self.seed,
-        };
+        let context =
+            Context { device: &self.device, scene: &self.scene, tracer: &self.tracer, frame: &frame, seed: self.seed };
         let technique = technique::create(self.technique_kind, &self.settings, &context)?;
         Ok(BandState { frame, technique })
     }
@@ -200,7 +195,8 @@ impl Renderer {
 
     /// The picture of the samples so far.
     pub fn finish(&self) -> Result<Picture, RenderError> {
-        let rows = self.bands.iter().map(|band| band.frame.film.read(self.done)).collect::<Result<Vec<FilmRows>, _>>()?;
+        let rows =
+            self.bands.iter().map(|band| band.frame.film.read(self.done)).collect::<Result<Vec<FilmRows>, _>>()?;
         let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
         image.attributes = RenderInfo {
             scene: self.scene.path.display().to_string(),
@@ -260,7 +256,10 @@ impl Renderer {
             for (count, what) in [
                 (counters.non_finite, "values that were not finite were left out"),
                 (counters.too_long, "camera paths met more than 16 specular surfaces and were given up"),
-                (counters.wrong_side, "camera paths were bent across a surface by its shading normals and were given up"),
+                (
+                    counters.wrong_side,
+                    "camera paths were bent across a surface by its shading normals and were given up",
+                ),
             ] {
                 if count > 0 {
                     warnings.push(format!("{count} {what}"));

@@ -26,7 +26,12 @@ fn main() -> ExitCode {
         Case { name: "a_rough_mirror_in_a_furnace_is_white", needs: &[], disable: "", run: rough_furnace },
         Case { name: "a_textured_plane_shows_its_texture", needs: &[], disable: "", run: texture },
         Case { name: "specular_surfaces_block_direct_light", needs: &[], disable: "", run: blocked },
-        Case { name: "raster_and_rays_see_the_same", needs: &[Capability::Graphics], disable: "", run: raster_and_rays },
+        Case {
+            name: "raster_and_rays_see_the_same",
+            needs: &[Capability::Graphics],
+            disable: "",
+            run: raster_and_rays,
+        },
         Case { name: "back_ends_give_the_same_picture", needs: &[], disable: "", run: back_ends },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: equal_bits },
     ])
@@ -130,7 +135,8 @@ fn direct_light(request: &Request) {
 fn absorption(request: &Request) {
     let scene = |absorption: &str| {
         let medium = format!("[[medium]]\nname = \"ink\"\nindex = 1.33\nabsorption = {absorption}\n");
-        let light = "[[light]]\nname = \"l\"\nkind = \"point\"\nposition = [3, 4, 0]\nintensity = 100\nmedium = \"ink\"\n";
+        let light =
+            "[[light]]\nname = \"l\"\nkind = \"point\"\nposition = [3, 4, 0]\nintensity = 100\nmedium = \"ink\"\n";
         let text = format!("{FLOOR}{medium}{light}").replace("fov_y = 60", "fov_y = 0.1\nmedium = \"ink\"");
         parse(&text)
     };

@@ -137,7 +137,11 @@ fn waves(request: &Request) {
     let squares: f64 = pixels.iter().map(|&i| f64::from(found[i][1] - expected[i][1]).powi(2)).sum();
     let rel_rmse = (squares / pixels.len() as f64).sqrt() / (sum(&expected) / pixels.len() as f64);
     let energy = sum(&found) / sum(&expected);
-    println!("{} floor pixels: relRMSE {rel_rmse:.4}, energy {energy:.5}, estimated noise {:?}", pixels.len(), picture.stats.noise);
+    println!(
+        "{} floor pixels: relRMSE {rel_rmse:.4}, energy {energy:.5}, estimated noise {:?}",
+        pixels.len(),
+        picture.stats.noise
+    );
     // What sixteen samples leave, mostly the blur of the first radii; a shifted pixel or a wrong index gives over 25 %.
     assert!(rel_rmse < 0.09, "relRMSE {rel_rmse}");
     assert!((energy - 1.0).abs() < 0.005, "energy {energy}");

@@ -11,7 +11,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use super::capability::{Capabilities, Capability};
 use super::error::Call;
 use super::survey::{DeviceInfo, choose, survey};
-use super::{GpuError, Instance};
+use super::{GpuError, Instance, Quirks};
 
 /// How a device is to be opened.
 #[derive(Debug, Clone, Default)]
@@ -39,6 +39,8 @@ pub struct DeviceInner {
     pub info: DeviceInfo,
     /// What is used: offered by the driver, found to work, and not disabled.
     pub capabilities: Capabilities,
+    /// Workarounds for this driver.
+    pub quirks: Quirks,
     /// What the user should know, such as a capability that was claimed and did not work.
     pub(crate) warnings: Mutex<Vec<String>>,
     pub(crate) raw: ash::Device,
@@ -100,6 +102,7 @@ impl Device {
                 .has(Capability::Graphics)
                 .then(|| khr::dynamic_rendering::Device::new(&instance.raw, &raw)),
             info: info.clone(),
+            quirks: Quirks::of(info),
             capabilities,
             warnings: Mutex::default(),
             raw,

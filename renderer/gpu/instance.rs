@@ -108,7 +108,8 @@ fn has_debug_utils(entry: &ash::Entry) -> Result<bool, GpuError> {
 fn messenger_info(target: &mut Box<Messages>) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     vk::DebugUtilsMessengerCreateInfoEXT::default()
         .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING)
-        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE)
+        // Advice on performance is left out: images are in GENERAL on purpose.
+        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
         .pfn_user_callback(Some(collect))
         .user_data((&raw mut **target).cast())
 }

@@ -10,7 +10,7 @@ use super::descriptors::DescriptorPools;
 use super::error::Call;
 use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
 
-/// Passes that one command buffer can time.
+/// Passes that one command buffer can time; further ones are run and not timed.
 const MAX_TIMED_PASSES: u32 = 512;
 
 /// Workgroups along x before a dispatch folds into y; every device offers this many.
@@ -31,6 +31,8 @@ pub struct Recorder {
     commands: vk::CommandBuffer,
     queries: Option<vk::QueryPool>,
     passes: Vec<String>,
+    /// Times of the passes that were submitted alone.
+    times: Vec<PassTime>,
     descriptors: DescriptorPools,
     /// Whatever the commands use, held until they have run.
     held: Vec<Arc<dyn Any>>,
@@ -49,31 +51,40 @@ impl Recorder {
             commands: vk::CommandBuffer::null(),
             queries: None,
             passes: Vec::new(),
+            times: Vec::new(),
             descriptors: DescriptorPools::new(device),
             held: Vec::new(),
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(command_pool).command_buffer_count(1);
         // SAFETY: the pool was just made.
         recorder.commands = unsafe { device.raw.allocate_command_buffers(&info) }.call("vkAllocateCommandBuffers")?[0];
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the command buffer is new.
-        unsafe { device.raw.begin_command_buffer(recorder.commands, &begin) }.call("vkBeginCommandBuffer")?;
-        if device.has(Capability::Timestamps) {
-            let info = vk::QueryPoolCreateInfo::default()
-                .query_type(vk::QueryType::TIMESTAMP)
-                .query_count(2 * MAX_TIMED_PASSES);
-            // SAFETY: a query pool has no preconditions; it is reset before its first use.
-            unsafe {
-                let queries = device.raw.create_query_pool(&info, None).call("vkCreateQueryPool")?;
-                recorder.queries = Some(queries);
-                device.raw.cmd_reset_query_pool(recorder.commands, queries, 0, 2 * MAX_TIMED_PASSES);
-            }
-        }
+        recorder.begin()?;
         Ok(recorder)
+    }
+
+    fn begin(&mut self) -> Result<(), GpuError> {
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is new, or its pool was reset after it had run.
+        unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }.call("vkBeginCommandBuffer")?;
+        if !self.device.has(Capability::Timestamps) || self.device.quirks.submit_each_pass {
+            return Ok(());
+        }
+        let info =
+            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * MAX_TIMED_PASSES);
+        // SAFETY: a query pool has no preconditions; it is reset before its first use.
+        unsafe {
+            let queries = self.device.raw.create_query_pool(&info, None).call("vkCreateQueryPool")?;
+            self.queries = Some(queries);
+            self.device.raw.cmd_reset_query_pool(self.commands, queries, 0, 2 * MAX_TIMED_PASSES);
+        }
+        Ok(())
     }
 
     /// Opens a pass: everything before it is finished and visible to it. Commands within one pass are not ordered.
     pub fn pass(&mut self, name: &str) -> Result<Pass<'_>, GpuError> {
+        if self.device.quirks.submit_each_pass && !self.passes.is_empty() {
+            self.flush()?;
+        }
         let commands = self.commands;
         self.barrier(
             vk::PipelineStageFlags::ALL_COMMANDS,
@@ -118,6 +129,29 @@ impl Recorder {
 
     /// Runs what was recorded and waits for it. The times are in the order of the passes.
     pub fn submit(mut self) -> Result<Vec<PassTime>, GpuError> {
+        let started = Instant::now();
+        self.execute()?;
+        let mut times = std::mem::take(&mut self.times);
+        times.extend(self.read_times(started)?);
+        Ok(times)
+    }
+
+    /// Runs the one pass recorded so far and starts over.
+    fn flush(&mut self) -> Result<(), GpuError> {
+        let started = Instant::now();
+        self.execute()?;
+        let times = self.read_times(started)?;
+        self.times.extend(times);
+        self.passes.clear();
+        self.held.clear();
+        self.descriptors = DescriptorPools::new(&self.device);
+        // SAFETY: the pool's only command buffer has run.
+        unsafe { self.device.raw.reset_command_pool(self.command_pool, vk::CommandPoolResetFlags::empty()) }
+            .call("vkResetCommandPool")?;
+        self.begin()
+    }
+
+    fn execute(&mut self) -> Result<(), GpuError> {
         self.barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
         let raw = self.device.raw.clone();
         // SAFETY: the command buffer is complete, and everything it uses is held by `self.held`.
@@ -125,14 +159,14 @@ impl Recorder {
         // SAFETY: no preconditions.
         let fence = unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }.call("vkCreateFence")?;
         let done = self.run(fence);
-        // SAFETY: the fence is not waited on any more; after a time-out the device is given up.
-        unsafe { raw.destroy_fence(fence, None) };
-        if let Err(error) = done {
+        if done.is_err() {
             // What the commands use may still be in use on a device that hangs: leaking it is the only safe way.
             std::mem::forget(std::mem::take(&mut self.held));
-            return Err(error);
+            return done;
         }
-        self.times()
+        // SAFETY: the fence has been signalled.
+        unsafe { raw.destroy_fence(fence, None) };
+        Ok(())
     }
 
     fn run(&self, fence: vk::Fence) -> Result<(), GpuError> {
@@ -181,7 +215,11 @@ impl Recorder {
         }
     }
 
-    fn times(&self) -> Result<Vec<PassTime>, GpuError> {
+    fn read_times(&self, started: Instant) -> Result<Vec<PassTime>, GpuError> {
+        if self.device.quirks.submit_each_pass {
+            let milliseconds = Some(started.elapsed().as_secs_f64() * 1e3);
+            return Ok(self.passes.iter().map(|name| PassTime { name: name.clone(), milliseconds }).collect());
+        }
         let timed = (self.passes.len() as u32).min(MAX_TIMED_PASSES);
         let mut ticks = vec![0u64; 2 * timed as usize];
         if let Some(queries) = self.queries.filter(|_| timed > 0) {

@@ -275,7 +275,12 @@ impl Reference {
 
 /// The radius that holds `neighbours` of `photons` photons spread over an area as large as all specular surfaces.
 fn density_radius(scene: &Scene, neighbours: f32, photons: u32) -> f32 {
-    let area: f32 = scene.instances.iter().filter(|i| scene.materials[i.material].surface.is_specular()).map(|i| scene.area(i)).sum();
+    let area: f32 = scene
+        .instances
+        .iter()
+        .filter(|i| scene.materials[i.material].surface.is_specular())
+        .map(|i| scene.area(i))
+        .sum();
     (neighbours * area / (std::f32::consts::PI * photons.max(1) as f32)).sqrt().max(1e-6)
 }
 

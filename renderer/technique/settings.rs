@@ -51,16 +51,14 @@ impl Settings {
         let mut values: Vec<_> = table.iter().map(|s| (s.key, s.default.to_string())).collect();
         for item in items {
             let (key, value) = split(kind, item)?;
-            let position = table.iter().position(|s| s.key == key).ok_or_else(|| {
-                TechniqueError::UnknownSetting {
-                    technique: kind.name(),
-                    found: key.to_string(),
-                    allowed: if table.is_empty() {
-                        "none".to_string()
-                    } else {
-                        table.iter().map(|s| s.key).collect::<Vec<_>>().join(", ")
-                    },
-                }
+            let position = table.iter().position(|s| s.key == key).ok_or_else(|| TechniqueError::UnknownSetting {
+                technique: kind.name(),
+                found: key.to_string(),
+                allowed: if table.is_empty() {
+                    "none".to_string()
+                } else {
+                    table.iter().map(|s| s.key).collect::<Vec<_>>().join(", ")
+                },
             })?;
             if !table[position].kind.accepts(value) {
                 return Err(TechniqueError::SettingValue {
