@@ -1,3 +1,6 @@
 //! The subcommands of the binary, one file each.
 
 pub mod compare;
+pub mod devices;
+pub mod render;
+pub mod shell;
