@@ -61,7 +61,11 @@ impl Instance {
             }
         }
         // SAFETY: every pointer in `info` outlives the call.
-        let raw = unsafe { entry.create_instance(&info, None) }.call("vkCreateInstance")?;
+        let raw = match unsafe { entry.create_instance(&info, None) } {
+            // The loader's answer where it has no driver at all.
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(GpuError::NoDevice),
+            other => other.call("vkCreateInstance")?,
+        };
         let debug = if validation && debug_utils {
             let functions = ext::debug_utils::Instance::new(&entry, &raw);
             let info = messenger_info(&mut callback_target);
