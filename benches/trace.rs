@@ -183,8 +183,8 @@ fn water() -> Scene {
 
 /// Through pixel centres, row by row, from above the water.
 fn primary_rays() -> Vec<Ray> {
-    let eye = Vec3::new(0.0, 5.0, 8.0);
-    let forward = -eye.normalize();
+    let eye = Vec3::new(0.0, 5.0, 5.0);
+    let forward = (Vec3::new(0.0, -2.0, 0.0) - eye).normalize();
     let right = forward.cross(Vec3::Y).normalize();
     let up = right.cross(forward);
     let half = (50.0f32.to_radians() * 0.5).tan();
@@ -197,12 +197,13 @@ fn primary_rays() -> Vec<Ray> {
     (0..WIDTH * HEIGHT).map(pixel).collect()
 }
 
-/// From the hits to a lamp low over the water, so that waves shade each other.
+/// From the hits to the lamp of `scenes/pool.toml`, and as many at grazing angles to one low over the water.
 fn shadow_rays(primary: &[Ray], hits: &[ProbeHit]) -> Vec<Ray> {
-    let lamp = Vec3::new(5.0, 0.5, -5.0);
-    let shadow = |(ray, hit): (&Ray, &ProbeHit)| {
+    let lamps = [Vec3::new(1.5, 6.0, -1.0), Vec3::new(5.0, 0.5, -5.0)];
+    let shadow = |lamp: Vec3, (ray, hit): (&Ray, &ProbeHit)| {
         let at = Vec3::from(ray.origin) + Vec3::from(ray.direction) * hit.t;
         Ray { origin: at.to_array(), t_min: 1e-3, direction: (lamp - at).to_array(), t_max: 1.0 }
     };
-    primary.iter().zip(hits).filter(|(_, hit)| hit.instance != NO_INSTANCE).map(shadow).collect()
+    let lit = || primary.iter().zip(hits).filter(|(_, hit)| hit.instance != NO_INSTANCE);
+    lamps.into_iter().flat_map(|lamp| lit().map(move |pair| shadow(lamp, pair))).collect()
 }

@@ -18,13 +18,14 @@ const float MISSED = uintBitsToFloat(0x7f800000u);
 float enter_box(BinaryNode node, ObjectRay ray) {
     vec3 low = node.low - ray.origin;
     vec3 high = node.high - ray.origin;
-    vec3 enter = min(low * ray.inverse, high * ray.inverse);
-    vec3 leave = max(low * ray.inverse, high * ray.inverse);
+    float margin = box_margin(max(abs(low), abs(high)));
+    low = (low - margin) * ray.inverse;
+    high = (high + margin) * ray.inverse;
+    vec3 enter = min(low, high);
+    vec3 leave = max(low, high);
     float first = max(max(enter.x, enter.y), max(enter.z, ray.t_min));
     float last = min(min(leave.x, leave.y), min(leave.z, ray.t_max));
-    vec3 reach = max(abs(low), abs(high));
-    float pad = ROUNDING * (abs(last) + max(reach.x, max(reach.y, reach.z)) * ray.least_inverse);
-    return first <= last + pad ? first : MISSED;
+    return first <= last ? first : MISSED;
 }
 
 void trace_mesh(uint root, uint instance, bool any_hit, inout ObjectRay ray, inout Candidate found) {

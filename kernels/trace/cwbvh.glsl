@@ -26,15 +26,30 @@ struct Grid {
     float t_max;
 };
 
-uint hit_bits(Grid grid, uint meta, uint order, uint shift, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z) {
-    vec3 enter = vec3(uvec3(near_x, near_y, near_z) >> shift & 255u) * grid.step + grid.low;
-    vec3 leave = vec3(uvec3(far_x, far_y, far_z) >> shift & 255u) * grid.step + grid.high;
+// Four slots: where each one's bits go among the hits, and what they are.
+struct Slots {
+    uint places;
+    uint bits;
+};
+
+// Nodes, alone in having both of bits 3 and 4, are sorted into the order in which the ray meets their octants.
+Slots slots_of(uint meta, uint order) {
+    uint nodes = (meta & meta << 1 & 0x10101010u) >> 4;
+    return Slots((meta ^ nodes * order) & 0x1f1f1f1fu, meta >> 5 & 0x07070707u);
+}
+
+uint hit_bits(Grid grid, Slots slots, uint shift, uvec3 near, uvec3 far) {
+    vec3 enter = vec3(near >> shift & 255u) * grid.step + grid.low;
+    vec3 leave = vec3(far >> shift & 255u) * grid.step + grid.high;
     float first = max(max(enter.x, enter.y), max(enter.z, grid.t_min));
     float last = min(min(leave.x, leave.y), min(leave.z, grid.t_max));
-    uint slot = meta >> shift & 255u;
-    // Nodes are sorted into the order in which the ray meets their octants.
-    uint bit = (slot & 31u) ^ ((slot & 24u) == 24u ? order : 0u);
-    return first <= last ? (slot >> 5) << bit : 0u;
+    uint bits = (slots.bits >> shift & 7u) << (slots.places >> shift & 31u);
+    return first <= last ? bits : 0u;
+}
+
+uint hit_bits(Grid grid, Slots slots, uvec3 near, uvec3 far) {
+    return hit_bits(grid, slots, 0u, near, far) | hit_bits(grid, slots, 8u, near, far) |
+           hit_bits(grid, slots, 16u, near, far) | hit_bits(grid, slots, 24u, near, far);
 }
 
 // Children that the ray meets: nodes in bits 24 to 31, the farthest lowest; triangles of leaves below.
@@ -44,7 +59,7 @@ uint intersect_node(WideNode node, ObjectRay ray, uint order) {
     vec3 size = uintBitsToFloat(exponents << 23);
     vec3 offset = node.origin - ray.origin;
     vec3 reach = abs(offset) + 255.0 * size;
-    vec3 pad = ROUNDING * (reach * abs(ray.inverse) + max(reach.x, max(reach.y, reach.z)) * ray.least_inverse);
+    vec3 pad = box_margin(reach) * abs(ray.inverse);
     vec3 start = offset * ray.inverse;
     grid.step = size * ray.inverse;
     grid.low = start - pad;
@@ -57,19 +72,12 @@ uint intersect_node(WideNode node, ObjectRay ray, uint order) {
     uvec2 far_x = ray.inverse.x < 0.0 ? node.x.xy : node.x.zw;
     uvec2 far_y = ray.inverse.y < 0.0 ? node.y.xy : node.y.zw;
     uvec2 far_z = ray.inverse.z < 0.0 ? node.z.xy : node.z.zw;
-    uint hits = 0u;
-#define CHILD(half, shift) \
-    hits |= hit_bits(grid, node.meta.half, order, shift, near_x.half, near_y.half, near_z.half, far_x.half, far_y.half, far_z.half);
-    CHILD(x, 0u)
-    CHILD(x, 8u)
-    CHILD(x, 16u)
-    CHILD(x, 24u)
-    CHILD(y, 0u)
-    CHILD(y, 8u)
-    CHILD(y, 16u)
-    CHILD(y, 24u)
-#undef CHILD
-    return hits;
+    uvec3 near = uvec3(near_x.x, near_y.x, near_z.x);
+    uvec3 far = uvec3(far_x.x, far_y.x, far_z.x);
+    uint hits = hit_bits(grid, slots_of(node.meta.x, order), near, far);
+    near = uvec3(near_x.y, near_y.y, near_z.y);
+    far = uvec3(far_x.y, far_y.y, far_z.y);
+    return hits | hit_bits(grid, slots_of(node.meta.y, order), near, far);
 }
 
 void trace_mesh(uint root, uint instance, bool any_hit, inout ObjectRay ray, inout Candidate found) {
@@ -80,30 +88,36 @@ void trace_mesh(uint root, uint instance, bool any_hit, inout ObjectRay ray, ino
     // child in a slot of its own.
     uvec2 group = uvec2(root, 0x80000000u);
     uint limit = uint(trace_nodes.length());
-    for (uint visited = 0u; visited < limit; ++visited) {
-        uint bit = uint(findMSB(group.y));
-        group.y &= ~(1u << bit);
-        uint slot = (bit - 24u) ^ order;
-        uint index = group.x + bitCount(group.y & ~(0xffffffffu << slot) & 255u);
-        if (group.y > 0x00ffffffu) {
-            stack[min(depth, STACK_SIZE - 1)] = group;
-            depth += 1;
-        }
-        WideNode node = trace_nodes[index];
-        uint hits = intersect_node(node, ray, order);
-        group = uvec2(node.first_node, (hits & 0xff000000u) | node.scales >> 24);
-        for (uint triangles = hits & 0x00ffffffu; triangles != 0u; triangles &= triangles - 1u) {
-            intersect_triangle(node.first_triangle + uint(findLSB(triangles)), instance, ray, found);
-        }
-        if (any_hit && found.instance != NO_INSTANCE) {
-            return;
-        }
-        if (group.y <= 0x00ffffffu) {
-            if (depth == 0) {
-                return;
+    bool done = false;
+    for (uint visited = 0u; visited < limit && !done;) {
+        uint triangles = 0u;
+        uint first_triangle = 0u;
+        // Down to the next triangles, so that neighbouring rays test theirs together: primary rays are some 10 %
+        // faster by it on lavapipe. As do-while, it loses hits on SwiftShader, whose lanes leave it together.
+        while (triangles == 0u && !done && visited < limit) {
+            uint bit = uint(findMSB(group.y));
+            group.y &= ~(1u << bit);
+            uint slot = (bit - 24u) ^ order;
+            uint index = group.x + bitCount(group.y & ~(0xffffffffu << slot) & 255u);
+            if (group.y > 0x00ffffffu) {
+                stack[min(depth, STACK_SIZE - 1)] = group;
+                depth += 1;
             }
-            depth -= 1;
-            group = stack[min(depth, STACK_SIZE - 1)];
+            WideNode node = trace_nodes[index];
+            uint hits = intersect_node(node, ray, order);
+            group = uvec2(node.first_node, (hits & 0xff000000u) | node.scales >> 24);
+            triangles = hits & 0x00ffffffu;
+            first_triangle = node.first_triangle;
+            if (group.y <= 0x00ffffffu) {
+                done = depth == 0;
+                depth = max(depth - 1, 0);
+                group = stack[min(depth, STACK_SIZE - 1)];
+            }
+            visited += 1u;
         }
+        for (; triangles != 0u; triangles &= triangles - 1u) {
+            intersect_triangle(first_triangle + uint(findLSB(triangles)), instance, ray, found);
+        }
+        done = done || (any_hit && found.instance != NO_INSTANCE);
     }
 }

@@ -26,13 +26,19 @@ struct ObjectRay {
     vec3 shear_x; // rows that take (vertex - origin) to the plane across the ray, and to t
     vec3 shear_y;
     vec3 shear_z;
-    float least_inverse; // smallest |inverse|
 };
 
 // The unit roundoff of f32 times the roundings (divisions count for more) on the way from a vertex or a box to what is
-// compared. Boxes are padded by it, relative to the reach: a ray that the rounded triangle test accepts just outside of
-// the exact triangle must meet the triangle's box.
+// compared.
 const float ROUNDING = 16.0 * 5.9604645e-8;
+
+// What a box is widened by on every side; `reach`: how far along the axes its farthest corner is from the origin. A ray
+// that the rounded triangle test accepts just outside of the exact triangle must meet the triangle's box, and so must
+// one that runs within a side of it, whose direction was not exactly zero across it (Ize, "Robust BVH Ray Traversal",
+// 2013, has the margin for the box alone).
+float box_margin(vec3 reach) {
+    return ROUNDING * max(reach.x, max(reach.y, reach.z));
+}
 
 // What was hit so far, in any instance.
 struct Candidate {
@@ -59,7 +65,6 @@ ObjectRay object_ray(Instance instance, Ray ray) {
     vec3 direction = transform_vector(instance.to_object, ray.direction);
     vec3 size = abs(direction);
     r.inverse = finite_inverse(direction);
-    r.least_inverse = min(abs(r.inverse.x), min(abs(r.inverse.y), abs(r.inverse.z)));
     if (size.x >= size.y && size.x >= size.z) {
         float inverse = 1.0 / direction.x;
         r.shear_x = vec3(-direction.y * inverse, 1.0, 0.0);

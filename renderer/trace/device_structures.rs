@@ -76,7 +76,9 @@ fn build_top(
     let mut packed = Vec::new();
     let mut inputs = Vec::new();
     for (index, instance) in scene.instances.iter().enumerate() {
-        let mesh = scene.meshes.iter().position(|m| m.first_index == instance.first_index && m.triangles > 0);
+        // A mesh without triangles starts where the next one does.
+        let is_of = |mesh: &MeshRange| mesh.first_index == instance.first_index && mesh.triangles == instance.triangles;
+        let mesh = scene.meshes.iter().position(is_of);
         if let Some(structure) = mesh.and_then(|mesh| bottom.get(mesh)).and_then(Option::as_ref) {
             packed.push(pack(instance, index as u32, structure.address()));
             inputs.push(structure.clone());

@@ -6,6 +6,7 @@
 
 use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
@@ -15,6 +16,9 @@ use crate::scene::Mesh;
 
 /// Triangles a leaf at most; the format holds no more.
 const LEAF_TRIANGLES: u32 = 3;
+
+/// Levels below the root that the stack of `kernels/trace/cwbvh.glsl` allows.
+const MAX_DEPTH: usize = 31;
 
 /// Biased exponents that a grid's step may have: below, it would be subnormal and flushed to zero on some devices.
 const EXPONENTS: std::ops::RangeInclusive<i32> = 1..=254;
@@ -42,11 +46,10 @@ pub(super) struct WideTree {
 
 impl WideTree {
     pub(super) fn build(mesh: &Mesh) -> Result<Self, TraceError> {
-        let binary = tree::build(mesh)?;
-        let wide = tree::guarded(|| bvh2_to_cwbvh(&binary, LEAF_TRIANGLES, true, false)).ok_or_else(|| {
-            TraceError::Build { mesh: mesh.name.clone(), reason: "the binary tree could not be widened".to_string() }
-        })?;
-        Ok(WideTree { nodes: wide.nodes, primitives: wide.primitive_indices })
+        widen(&tree::build(mesh)?).or_else(|| widen(&tree::build_balanced(mesh))).ok_or_else(|| TraceError::Build {
+            mesh: mesh.name.clone(),
+            reason: "it has too many triangles".to_string(),
+        })
     }
 
     pub(super) fn primitives(&self) -> usize {
@@ -69,6 +72,25 @@ impl WideTree {
         }
         nodes.extend(packed.into_iter().rev());
     }
+}
+
+/// `None` where the result would be too deep for the kernel's stack.
+fn widen(binary: &Bvh2) -> Option<WideTree> {
+    let wide = tree::guarded(|| bvh2_to_cwbvh(binary, LEAF_TRIANGLES, true, false))?;
+    (depth(&wide.nodes)? <= MAX_DEPTH).then_some(WideTree { nodes: wide.nodes, primitives: wide.primitive_indices })
+}
+
+/// Levels below the root. `None` if a child is out of range or in front of its parent.
+fn depth(nodes: &[CwBvhNode]) -> Option<usize> {
+    let mut levels = vec![0usize; nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        let level = *levels.get(index)? + 1;
+        for slot in (0..8).filter(|&slot| !node.is_child_empty(slot) && !node.is_leaf(slot)) {
+            let child = node.child_node_index(slot) as usize;
+            *levels.get_mut(child).filter(|_| child > index)? = level;
+        }
+    }
+    levels.into_iter().max()
 }
 
 fn child_box(node: &CwBvhNode, slot: usize, boxes: &[Aabb], fitted: &[Aabb]) -> Option<Aabb> {
@@ -132,4 +154,63 @@ fn step_exponent(size: f64) -> i32 {
     // The logarithm is rounded too.
     let exponent = if f64::from(exponent).exp2() * 255.0 < size { exponent + 1 } else { exponent };
     (exponent + 127).clamp(least, *EXPONENTS.end())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::*;
+
+    #[test]
+    fn the_kernel_holds_the_deepest_tree() {
+        let kernel = include_str!("../../kernels/trace/cwbvh.glsl");
+        assert!(kernel.contains(&format!("const int STACK_SIZE = {};", MAX_DEPTH + 1)));
+    }
+
+    #[test]
+    fn quantised_boxes_contain_the_exact_ones() {
+        // Far from the origin, where obvhs's own rounding shows.
+        let corner = |i: i32| {
+            let f = |k: i32| ((i * k) % 1009) as f32 * 1e-3;
+            Vec3::new(900.0 + f(17), -300.0 + f(71), 50.0 + f(7) * 1e-3)
+        };
+        let positions: Vec<Vec3> = (0..900).map(corner).collect();
+        let triangles = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        let tree = WideTree::build(&mesh).unwrap();
+        let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
+        tree.append(&mesh, &mut nodes, &mut leaves);
+        let mut checked = 0;
+        for (node, packed) in tree.nodes.iter().zip(&nodes) {
+            let planes = [packed.x, packed.y, packed.z];
+            for slot in (0..8).filter(|&slot| !node.is_child_empty(slot) && node.is_leaf(slot)) {
+                let (first, count) = node.child_primitives(slot);
+                for leaf in &leaves[first as usize..(first + count) as usize] {
+                    for point in [leaf.a, leaf.b, leaf.c] {
+                        for axis in 0..3 {
+                            let step = f64::from((packed.scales >> (8 * axis) & 255) as i32 - 127).exp2();
+                            let plane =
+                                |word: usize| f64::from(planes[axis][word + slot / 4] >> (8 * (slot % 4)) & 255);
+                            let at = f64::from(point[axis]) - f64::from(packed.origin[axis]);
+                            assert!(plane(0) * step <= at && at <= plane(2) * step);
+                            checked += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert_eq!(checked, 300 * 9);
+    }
+
+    #[test]
+    fn steps_are_the_least_that_cover() {
+        for size in [1e-30, 1e-3, 255.0, 255.0001, 256.0, 1e20] {
+            let step = f64::from(step_exponent(size) - 127).exp2();
+            assert!(step * 255.0 >= size && step * 127.5 < size, "{size}");
+        }
+        assert_eq!(step_exponent(0.0), 1);
+        let flat = Aabb::from_point(Vec3A::ZERO);
+        assert_eq!(step_exponent(f64::from(flat.max.x - flat.min.x)), 1);
+    }
 }

@@ -1,0 +1,118 @@
+//! The reference's way to the truth: error, energy and CPU seconds at every doubling of the samples.
+//!
+//! `cargo bench --bench reference` renders the pool as the tests do. `-- --truth T.exr --mask M.png --size 480x360
+//! --samples 256` holds it against another truth of the same scene. Prints a table and writes
+//! `target/bench/reference.json`.
+
+#[path = "report/mod.rs"]
+mod report;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use nephroid::image::metrics::{Metrics, compare};
+use nephroid::image::{self, Mask, RgbImage, png};
+use nephroid::render::{RenderSettings, Renderer};
+use nephroid::{scene, stats};
+
+struct Options {
+    scene: PathBuf,
+    camera: String,
+    layer: String,
+    truth: PathBuf,
+    mask: Option<PathBuf>,
+    settings: RenderSettings,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = options(std::env::args().skip(1))?;
+    let truth = image::read(&options.truth)?;
+    let expected = truth.select(&options.truth, None)?;
+    let mask = match &options.mask {
+        Some(path) => png::read_mask(path)?,
+        None => mask_layer(&truth, &expected),
+    };
+    let mut renderer = Renderer::new(scene::load(&options.scene)?, &options.settings)?;
+    println!("{}, {}, camera {}", renderer.device().info.describe(), renderer.tier(), options.camera);
+    println!("{:>8} {:>8} {:>9} {:>9} {:>9} {:>7}", "samples", "CPU s", "relRMSE", "energy", "noise", "ratio");
+    let start = stats::cpu_seconds();
+    let (mut rows, mut before) = (Vec::new(), None::<f64>);
+    for _ in 0..renderer.samples() {
+        let progress = renderer.sample()?;
+        if !progress.done.is_power_of_two() {
+            continue;
+        }
+        let seconds = stats::cpu_seconds() - start;
+        let metrics = measure(&renderer, &options.layer, &expected, &mask)?;
+        let ratio = before.map(|b| metrics.rel_rmse / b);
+        println!(
+            "{:>8} {seconds:>8.1} {:>8.2}% {:>9.5} {:>8.2}% {:>7}",
+            progress.done,
+            100.0 * metrics.rel_rmse,
+            metrics.energy_ratio,
+            100.0 * progress.noise.unwrap_or(0.0),
+            ratio.map_or(String::new(), |r| format!("{r:.3}"))
+        );
+        rows.push(serde_json::json!({
+            "samples": progress.done,
+            "cpu_seconds": seconds,
+            "rel_rmse": metrics.rel_rmse,
+            "energy_ratio": metrics.energy_ratio,
+            "noise": progress.noise,
+        }));
+        before = Some(metrics.rel_rmse);
+    }
+    report::write("reference", &renderer.device().info, serde_json::json!({ "tier": renderer.tier(), "rows": rows }))
+}
+
+fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
+    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
+    Ok(compare(&picture, truth, mask)?)
+}
+
+/// The mask that a truth carries with it, or every pixel.
+fn mask_layer(truth: &image::LayeredImage, like: &RgbImage) -> Mask {
+    let samples = truth.layer("mask").and_then(|layer| layer.channels.first()).map(|c| c.samples.as_slice());
+    match samples {
+        Some(samples) => {
+            Mask { width: like.width, height: like.height, inside: samples.iter().map(|&s| s > 0.5).collect() }
+        }
+        None => Mask::full(like.width, like.height),
+    }
+}
+
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+    let mut options = Options {
+        scene: "scenes/pool.toml".into(),
+        camera: "under".to_string(),
+        layer: "refracted".to_string(),
+        truth: "tests/truth/pool_under_120x90.exr".into(),
+        mask: None,
+        settings: RenderSettings { size: Some((120, 90)), samples: Some(64), ..Default::default() },
+    };
+    while let Some(name) = arguments.next() {
+        // Cargo passes --bench to every bench.
+        if name == "--bench" {
+            continue;
+        }
+        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+        match name.as_str() {
+            "--scene" => options.scene = value.into(),
+            "--camera" => options.camera = value,
+            "--layer" => options.layer = value,
+            "--truth" => options.truth = value.into(),
+            "--mask" => options.mask = Some(value.into()),
+            "--samples" => options.settings.samples = Some(value.parse()?),
+            "--trace" => options.settings.trace = value.parse()?,
+            "--device" => options.settings.device.device = Some(value),
+            "--set" => options.settings.set.push(value),
+            "--size" => {
+                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
+                options.settings.size = Some((width.parse()?, height.parse()?));
+            }
+            other => return Err(format!("unknown option {other}").into()),
+        }
+    }
+    options.settings.camera = Some(options.camera.clone());
+    Ok(options)
+}
