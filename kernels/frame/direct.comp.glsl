@@ -26,8 +26,7 @@ void main() {
         float cosine = dot(light.to_light, normal);
         if (lights[index].medium != point.medium || cosine <= 0.0 || dot(light.to_light, geometric) <= 0.0) continue;
         if (mean(light.irradiance) <= 0.0) continue;
-        vec3 origin = leave(point.position, geometric, light.to_light);
-        if (!trace_occluded(Ray(origin, 0.0, light.to_light, light.distance), MASK_ALL)) {
+        if (!trace_occluded(Ray(point.position, 0.0, light.to_light, light.distance), MASK_ALL)) {
             irradiance += light.irradiance * cosine * transmittance(point.medium, light.distance);
         }
     }

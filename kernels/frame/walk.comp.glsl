@@ -43,7 +43,7 @@ vec3 highlights(Surface s, vec3 direction, uint medium) {
         }
         vec3 lobe = rough_lobe_cosine(s, direction, light.to_light);
         if (mean(lobe) <= 0.0) continue;
-        vec3 origin = leave(s.position, s.geometric, light.to_light);
+        vec3 origin = leave(s, light.to_light);
         if (!trace_occluded(Ray(origin, 0.0, light.to_light, light.distance), MASK_ALL)) {
             sum += lobe * light.irradiance * transmittance(medium, light.distance);
         }
@@ -87,7 +87,7 @@ void main() {
         uint kind = materials[s.material].kind;
         if (kind == MATERIAL_DIFFUSE) {
             bool front = dot(direction, s.geometric) < 0.0;
-            point.position = s.position;
+            point.position = leave(s, -direction);
             point.instance = instance;
             point.normal = pack_direction(front ? s.shading : -s.shading);
             point.geometric = pack_direction(front ? s.geometric : -s.geometric);
@@ -136,7 +136,7 @@ void main() {
             atomicAdd(counters.wrong_side, 1u);
             break;
         }
-        origin = leave(s.position, s.geometric, direction);
+        origin = leave(s, direction);
         if (events == MAX_EVENTS) {
             atomicAdd(counters.too_long, 1u);
             break;

@@ -8,6 +8,7 @@ struct Surface {
     vec3 shading;   // unit, interpolated, on the side of `geometric`
     vec2 uv;
     uint material;
+    float reach;    // largest coordinate of the triangle's corners, m: what its rounding goes by
 };
 
 Surface surface_at(uint instance_id, uint primitive, vec2 barycentrics) {
@@ -33,6 +34,8 @@ Surface surface_at(uint instance_id, uint primitive, vec2 barycentrics) {
     if (dot(s.shading, s.geometric) < 0.0) s.shading = -s.shading;
     s.uv = vec2(a.u, a.v) * weight.x + vec2(b.u, b.v) * weight.y + vec2(c.u, c.v) * weight.z;
     s.material = instance.material;
+    vec3 reach = max(max(abs(pa), abs(pb)), abs(pc));
+    s.reach = max(max(reach.x, reach.y), reach.z);
     return s;
 }
 
@@ -61,10 +64,10 @@ vec3 albedo_at(Surface s) {
     return material.texture == NO_TEXTURE ? material.color : material.color * texture_color(material.texture, s.uv);
 }
 
-// Where a ray that leaves the surface on the side of `direction` starts. Positions are good to a few units in the last
-// place of their largest coordinate, transforms included; a hundred of them clear the surface.
-vec3 leave(vec3 position, vec3 geometric, vec3 direction) {
-    vec3 size = abs(position);
-    float step = 1e-5 * max(max(size.x, size.y), max(size.z, 1e-2));
-    return position + geometric * (dot(direction, geometric) < 0.0 ? -step : step);
+// Where a ray that leaves the surface on the side of `direction` starts. A hit is good to a few units in the last place of
+// the triangle's largest coordinate (2^-24 of it each), however near the origin the hit itself is; thirty of them clear
+// the surface.
+vec3 leave(Surface s, vec3 direction) {
+    float step = 2e-6 * max(s.reach, 1e-3);
+    return s.position + s.geometric * (dot(direction, s.geometric) < 0.0 ? -step : step);
 }

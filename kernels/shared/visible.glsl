@@ -2,7 +2,7 @@
 // or through refraction, then what the first interface reflects.
 
 struct VisiblePoint {
-    vec3 position;     // world space
+    vec3 position;     // world space, just off the surface on the side that is seen: rays start here
     uint instance;     // NO_INSTANCE: the path ended without a diffuse point
     uint normal;       // packed, shading, on the side that is seen
     uint geometric;    // packed, on the side that is seen

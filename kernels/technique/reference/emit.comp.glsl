@@ -130,7 +130,7 @@ void main() {
             book(WRONG_SIDE, flux);
             return;
         }
-        origin = leave(s.position, s.geometric, direction);
+        origin = leave(s, direction);
     }
     book(GIVEN_UP, flux);
 }
