@@ -86,24 +86,23 @@ impl Film {
         Ok(self.counters.read(1)?.first().copied().unwrap_or_default())
     }
 
-    /// Relative noise of the caustic irradiance, estimated from two halves of the passes: RMS difference of the
-    /// halves' pictures over twice the mean. `None` before both halves have passes.
-    pub fn noise(&self, passes: u32) -> Result<Option<f32>, GpuError> {
-        if passes < 2 {
+    /// Relative noise of the caustic irradiance, estimated from two halves of the `samples`, `second` of which are in
+    /// the second: RMS difference of the halves' pictures over twice the mean. `None` before both halves have samples.
+    pub fn noise(&self, samples: u32, second: u32) -> Result<Option<f32>, GpuError> {
+        if second == 0 || second >= samples {
             return Ok(None);
         }
         let values: Vec<[f32; 4]> = self.irradiance.read(self.pixels() as usize)?;
-        Ok(relative_noise(&values, passes))
+        Ok(relative_noise(&values, f64::from(second) / f64::from(samples)))
     }
 }
 
-/// Irradiance in rgb; in w what the odd passes contribute to its mean over the channels.
-fn relative_noise(values: &[[f32; 4]], passes: u32) -> Option<f32> {
-    let odd_part = f64::from(passes / 2) / f64::from(passes);
+/// Irradiance in rgb; in w what the second half, `part` of the samples, contributes to its mean over the channels.
+fn relative_noise(values: &[[f32; 4]], part: f64) -> Option<f32> {
     let (mut sum, mut squares) = (0.0f64, 0.0f64);
-    for &[r, g, b, odd] in values {
+    for &[r, g, b, second] in values {
         let mean = f64::from(r + g + b) / 3.0;
-        let difference = f64::from(odd) / odd_part - (mean - f64::from(odd)) / (1.0 - odd_part);
+        let difference = f64::from(second) / part - (mean - f64::from(second)) / (1.0 - part);
         sum += mean;
         squares += difference * difference;
     }
@@ -185,7 +184,7 @@ mod tests {
                 [1.0, 1.0, 1.0, odd / 2.0]
             })
             .collect();
-        let noise = relative_noise(&pixels, 10).unwrap();
+        let noise = relative_noise(&pixels, 0.5).unwrap();
         assert!((noise - e).abs() < 1e-6, "{noise}");
     }
 }

@@ -75,7 +75,7 @@ impl Frame {
         let points = crate::film::VISIBLE_LAYERS * pixels;
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
         let variant = tracer.backend.variant();
-        let visibility = if device.has(Capability::Graphics) {
+        let visibility = if device.has(Capability::PreciseRaster) {
             let targets = RasterTargets::ids(device, "visibility", view.width, view.rows)?;
             Visibility::Raster { raster: Raster::new(device, "frame/visibility", &targets)?, targets }
         } else {

@@ -185,11 +185,10 @@ impl Renderer {
 
     /// The first band's noise stands for the picture's.
     fn noise(&self) -> Result<Option<f32>, GpuError> {
-        match self.bands.first() {
-            Some(BandState { frame, technique: Some(technique) }) if technique.estimates_noise() => {
-                frame.film.noise(self.done)
-            }
-            _ => Ok(None),
+        let Some(BandState { frame, technique: Some(technique) }) = self.bands.first() else { return Ok(None) };
+        match technique.second_half(self.done) {
+            Some(second) => frame.film.noise(self.done, second),
+            None => Ok(None),
         }
     }
 

@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         Case { name: "specular_surfaces_block_direct_light", needs: &[], disable: "", run: blocked },
         Case {
             name: "raster_and_rays_see_the_same",
-            needs: &[Capability::Graphics],
+            needs: &[Capability::PreciseRaster],
             disable: "",
             run: raster_and_rays,
         },

@@ -81,7 +81,8 @@ fn floor_point(column: f64, row: f64, width: f64, height: f64) -> Option<(f64, f
         + up * half * (1.0 - 2.0 * (row + 0.5) / height);
     let t = -1.4 / way.y;
     let (x, z) = (t * way.x, 3.5 + t * way.z);
-    (way.y < 0.0 && x.abs() < 4.9 && z.abs() < 4.9).then_some((x, z))
+    // Away from the walls, over whose edge the first radii reach, and near enough that a pixel is small on the floor.
+    (way.y < 0.0 && x.abs() < 4.5 && z > -2.5).then_some((x, z))
 }
 
 fn flat_water(request: &Request) {
@@ -94,8 +95,10 @@ fn flat_water(request: &Request) {
     let (width, height) = (48usize, 36usize);
     let picture = render(request, load("flat_water.toml"), |s| {
         s.size = Some((width as u32, height as u32));
-        s.samples = Some(12);
-        s.set = vec!["reference.photons=250000".to_string()];
+        s.samples = Some(16);
+        // The light is smooth: a third of a metre holds a thousand photons and blurs nothing.
+        s.set =
+            ["reference.photons=400000", "reference.reuse=8", "reference.neighbours=1000"].map(String::from).to_vec();
     });
     let irradiance = layer(&picture.image, "caustic");
     let (mut sum, mut expected_sum, mut squares, mut worst) = (0.0, 0.0, 0.0, 0.0f64);
@@ -114,7 +117,7 @@ fn flat_water(request: &Request) {
     }
     let (energy, rms) = (sum / expected_sum, (squares / f64::from(count)).sqrt());
     println!("{count} floor pixels: energy {energy:.5}, RMS error {rms:.4}, worst {worst:.4}");
-    assert!(count > 600);
+    assert!(count > 500);
     // Asked for is 0.2 %; hundreds of pixels average what a single one may be off.
     assert!((energy - 1.0).abs() < 0.002, "energy {energy}");
     assert!(rms < 0.01, "RMS error {rms}");
@@ -128,8 +131,8 @@ fn waves(request: &Request) {
     let picture = render(request, load("pool.toml"), |s| {
         s.camera = Some("under".to_string());
         s.size = Some((120, 90));
-        s.samples = Some(16);
-        s.set = vec!["reference.photons=400000".to_string()];
+        s.samples = Some(64);
+        s.set = ["reference.photons=400000", "reference.reuse=16", "reference.neighbours=4"].map(String::from).to_vec();
     });
     let found = layer(&picture.image, "final");
     let pixels: Vec<usize> = (0..mask.len()).filter(|&i| mask[i] > 0.5).collect();

@@ -17,9 +17,12 @@ layout(push_constant) uniform SamplePush { Sample frame; };
 // Paths through more specular surfaces are given up and counted.
 const uint MAX_EVENTS = 16u;
 
-// Barycentrics of the point where the ray meets the triangle's plane, clamped to the triangle: raster and rays may
-// disagree by rounding on which triangle of two is hit at an edge.
-vec2 barycentrics_on(uint instance_id, uint primitive, vec3 origin, vec3 direction) {
+// How far outside of a triangle, in barycentrics, a ray may pass that the visibility stage says sees it. Rounding stays
+// below; a rasteriser that places edges by 1/256 pixel does not always, and then the ray decides.
+const float MAX_OUTSIDE = 1e-4;
+
+// Barycentrics of the point where the ray meets the triangle's plane. False where it passes outside.
+bool meets(uint instance_id, uint primitive, vec3 origin, vec3 direction, out vec2 barycentrics) {
     Instance instance = instances[instance_id];
     uvec3 corner = triangle_vertices(instance, primitive);
     vec3 a = transform_point(instance.to_world, vertices[corner.x].position) - origin;
@@ -27,10 +30,12 @@ vec2 barycentrics_on(uint instance_id, uint primitive, vec3 origin, vec3 directi
     vec3 c = transform_point(instance.to_world, vertices[corner.z].position) - origin;
     // Scaled volumes of the ray with each edge; no subtraction of nearly equal hit points.
     vec3 volume = vec3(dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b)));
-    float sum = volume.x + volume.y + volume.z;
-    if (sum == 0.0) return vec2(1.0 / 3.0);
-    vec3 weight = max(volume / sum, 0.0);
-    return weight.yz / (weight.x + weight.y + weight.z);
+    vec3 weight = volume / (volume.x + volume.y + volume.z);
+    // Also false for the NaN of a ray within the plane.
+    bool inside = min(weight.x, min(weight.y, weight.z)) >= -MAX_OUTSIDE;
+    weight = max(weight, 0.0);
+    barycentrics = inside ? weight.yz / (weight.x + weight.y + weight.z) : vec2(0.0);
+    return inside;
 }
 
 // Radiance that lights send over a rough mirror straight into the path.
@@ -64,7 +69,8 @@ void main() {
     uvec2 ids = primary_ids[pixel];
     uint instance = ids.x - 1u; // wraps to NO_INSTANCE where nothing is seen
     uint primitive = ids.y;
-    vec2 barycentrics = instance == NO_INSTANCE ? vec2(0.0) : barycentrics_on(instance, primitive, origin, direction);
+    vec2 barycentrics = vec2(0.0);
+    bool known = instance == NO_INSTANCE || meets(instance, primitive, origin, direction, barycentrics);
 
     uint medium = view.medium;
     vec3 throughput = vec3(1.0);
@@ -76,6 +82,13 @@ void main() {
     VisibleShade shade = VisibleShade(vec3(0.0), 0.0, vec3(0.0), 0u);
 
     for (; events <= MAX_EVENTS; events++) {
+        if (!known) {
+            Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);
+            instance = hit.instance;
+            primitive = hit.primitive;
+            barycentrics = hit.barycentrics;
+        }
+        known = false;
         if (instance == NO_INSTANCE) {
             collected += throughput * view.background;
             break;
@@ -141,10 +154,6 @@ void main() {
             atomicAdd(counters.too_long, 1u);
             break;
         }
-        Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);
-        instance = hit.instance;
-        primitive = hit.primitive;
-        barycentrics = hit.barycentrics;
     }
 
     // A path without an interface has nothing to reflect: its second layer is empty.

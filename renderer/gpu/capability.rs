@@ -10,6 +10,9 @@ pub enum Capability {
     RayQuery,
     /// A queue with graphics, and dynamic rendering; else compute rays.
     Graphics,
+    /// Eight bits of sub-pixel position in the rasteriser; else visibility is by compute rays. Vulkan asks for four only,
+    /// which moves edges by 1/32 pixel: enough to see another surface along a whole horizontal edge.
+    PreciseRaster,
     /// Geometry shaders; else vertices written by compute.
     GeometryShader,
     /// 32-bit float atomic adds in storage buffers; else fixed-point integers.
@@ -19,9 +22,10 @@ pub enum Capability {
 }
 
 impl Capability {
-    pub const ALL: [Capability; 5] = [
+    pub const ALL: [Capability; 6] = [
         Capability::RayQuery,
         Capability::Graphics,
+        Capability::PreciseRaster,
         Capability::GeometryShader,
         Capability::FloatAtomics,
         Capability::Timestamps,
@@ -32,6 +36,7 @@ impl Capability {
         match self {
             Capability::RayQuery => "ray-query",
             Capability::Graphics => "graphics",
+            Capability::PreciseRaster => "precise-raster",
             Capability::GeometryShader => "geometry-shader",
             Capability::FloatAtomics => "float-atomics",
             Capability::Timestamps => "timestamps",
@@ -69,11 +74,12 @@ impl Capabilities {
         self.0.retain(|&c| c != capability);
     }
 
-    /// What is in `self` and not in `other`. Without graphics there are no geometry shaders.
+    /// What is in `self` and not in `other`. Without graphics there is no raster and there are no geometry shaders.
     pub fn without(&self, other: &Capabilities) -> Self {
         let kept = self.0.iter().copied().filter(|&c| !other.has(c));
         let mut kept = Self::new(kept);
         if !kept.has(Capability::Graphics) {
+            kept.remove(Capability::PreciseRaster);
             kept.remove(Capability::GeometryShader);
         }
         kept
@@ -107,7 +113,7 @@ mod tests {
         assert_eq!(
             Capabilities::parse("ray-qeury").unwrap_err().to_string(),
             "unknown capability \"ray-qeury\" in the list of what to disable; allowed are: ray-query, graphics, \
-             geometry-shader, float-atomics, timestamps"
+             precise-raster, geometry-shader, float-atomics, timestamps"
         );
         assert_eq!(
             Capabilities::parse("compute").unwrap_err().to_string(),

@@ -42,6 +42,8 @@ pub struct Limits {
     pub storage_buffers: u32,
     /// Invocations; no kernel relies on it.
     pub subgroup: u32,
+    /// Bits of a pixel to which the rasteriser knows positions.
+    pub subpixel_bits: u32,
     /// Nanoseconds per timestamp tick.
     pub timestamp_period: f32,
 }
@@ -80,6 +82,7 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
         workgroup_count: properties.limits.max_compute_work_group_count[0],
         storage_buffers: properties.limits.max_per_stage_descriptor_storage_buffers,
         subgroup: subgroup.subgroup_size,
+        subpixel_bits: properties.limits.sub_pixel_precision_bits,
         timestamp_period: properties.limits.timestamp_period,
     };
     let text = |s: Result<&std::ffi::CStr, _>| s.unwrap_or(c"?").to_string_lossy().into_owned();
@@ -109,7 +112,7 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
             vk::api_version_minor(version),
             vk::api_version_patch(version)
         ),
-        capabilities: capabilities(instance, raw, version, limits.timestamp_period)?,
+        capabilities: capabilities(instance, raw, version, &limits)?,
         limits,
         unsuitable,
         raw,
@@ -129,7 +132,7 @@ fn capabilities(
     instance: &Instance,
     raw: vk::PhysicalDevice,
     version: u32,
-    timestamp_period: f32,
+    limits: &Limits,
 ) -> Result<Capabilities, GpuError> {
     // SAFETY: `raw` belongs to this instance.
     let extensions = unsafe { instance.raw.enumerate_device_extension_properties(raw) }
@@ -166,7 +169,7 @@ fn capabilities(
     let graphics_queue = families
         .iter()
         .any(|f| f.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE) && f.queue_count > 0);
-    let timestamps = timestamp_period > 0.0 && families.iter().all(|f| f.timestamp_valid_bits >= 32);
+    let timestamps = limits.timestamp_period > 0.0 && families.iter().all(|f| f.timestamp_valid_bits >= 32);
 
     let graphics = graphics_queue && rendering.dynamic_rendering == vk::TRUE;
     let offered = [
@@ -177,6 +180,7 @@ fn capabilities(
                 && vulkan12.buffer_device_address == vk::TRUE,
         ),
         (Capability::Graphics, graphics),
+        (Capability::PreciseRaster, graphics && limits.subpixel_bits >= 8),
         (Capability::GeometryShader, graphics && geometry_shader),
         (Capability::FloatAtomics, atomics.shader_buffer_float32_atomic_add == vk::TRUE),
         (Capability::Timestamps, timestamps),

@@ -88,9 +88,10 @@ pub trait Technique {
     /// Where the light went so far; `emitted` first, then what it divides into. W, averaged over the samples.
     fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError>;
 
-    /// Whether the film holds an estimate of its noise in two halves.
-    fn estimates_noise(&self) -> bool {
-        false
+    /// How many of the first `samples` samples belong to the half that the film's irradiance keeps apart, for an
+    /// estimate of the noise. `None` where it keeps none.
+    fn second_half(&self, _samples: u32) -> Option<u32> {
+        None
     }
 
     /// Things that went wrong without stopping the picture, a sentence each.

@@ -12,14 +12,21 @@ pub const SETTINGS: &[Setting] = &[
     Setting {
         key: "photons",
         kind: SettingKind::Integer { min: 1, max: 4_000_000 },
-        default: "500000",
-        unit: "photons a sample",
-        help: "Photons that leave the lights in each sample",
+        default: "2000000",
+        unit: "photons",
+        help: "Photons that leave the lights at once",
+    },
+    Setting {
+        key: "reuse",
+        kind: SettingKind::Integer { min: 1, max: 1024 },
+        default: "4",
+        unit: "samples",
+        help: "Samples that gather from one set of photons: more of them smooth a pixel's own detail for less",
     },
     Setting {
         key: "radius",
         kind: SettingKind::Number { min: 0.1, max: 100.0 },
-        default: "2",
+        default: "1",
         unit: "pixels",
         help: "First gathering radius; it shrinks as photons arrive",
     },
@@ -28,7 +35,7 @@ pub const SETTINGS: &[Setting] = &[
         kind: SettingKind::Number { min: 0.0, max: 1000.0 },
         default: "8",
         unit: "photons",
-        help: "Photons of one sample that the first radius holds at least, were they even over the specular surfaces",
+        help: "Photons that the first radius holds at least, were all spread evenly over the specular surfaces",
     },
     Setting {
         key: "alpha",
@@ -103,6 +110,7 @@ crate::gpu_struct! {
         pub radius_pixels: f32,
         pub least_radius: f32,
         pub max_radius: f32,
+        pub new_grid: u32,
     }
 }
 
@@ -186,6 +194,8 @@ pub struct Reference {
     emit: EmitPush,
     prepare: PreparePush,
     alpha: f32,
+    /// Samples a set of photons.
+    reuse: u32,
     /// W of the mean channel that a pass emits.
     flux: f32,
 }
@@ -251,8 +261,10 @@ impl Reference {
                 radius_pixels: settings.number("radius"),
                 least_radius: density_radius(context.scene, settings.number("neighbours"), cells * samples),
                 max_radius: MAX_RADIUS * scene_diagonal(context),
+                new_grid: 1,
             },
             alpha: settings.number("alpha"),
+            reuse: settings.integer("reuse"),
             flux,
         })
     }
@@ -308,18 +320,24 @@ impl Technique for Reference {
         }
         let bindings = [&frame.bindings, &self.bindings];
         let kernels = &self.kernels;
-        recorder.pass("reference/clear-grid")?.fill(&self.grid, 0);
-        recorder.pass("reference/prepare")?.dispatch(&kernels.prepare, &bindings, &self.prepare, frame.slots())?;
-        let emit = EmitPush { pass: index, ..self.emit };
-        recorder.pass("reference/emit")?.dispatch(&kernels.emit, &bindings, &emit, self.slots)?;
-        self.record_grid(recorder, &bindings)?;
+        let new_photons = index.is_multiple_of(self.reuse);
+        if new_photons {
+            recorder.pass("reference/clear-grid")?.fill(&self.grid, 0);
+        }
+        let prepare = PreparePush { new_grid: new_photons.into(), ..self.prepare };
+        recorder.pass("reference/prepare")?.dispatch(&kernels.prepare, &bindings, &prepare, frame.slots())?;
+        if new_photons {
+            let emit = EmitPush { pass: index / self.reuse, ..self.emit };
+            recorder.pass("reference/emit")?.dispatch(&kernels.emit, &bindings, &emit, self.slots)?;
+            self.record_grid(recorder, &bindings)?;
+        }
         let photons = (self.slots >> self.emit.split).max(1);
         let gather = GatherPush {
             slots: self.slots,
             buckets: self.buckets,
             alpha: self.alpha,
             flux_unit: self.flux / photons as f32 / UNITS_PER_PHOTON,
-            odd: index % 2,
+            odd: index / self.reuse % 2,
         };
         recorder.pass("reference/gather")?.dispatch(&kernels.gather, &bindings, &gather, frame.slots())?;
         let resolve = ResolvePush { passes: index + 1 };
@@ -329,7 +347,7 @@ impl Technique for Reference {
 
     fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError> {
         let words: Vec<u32> = self.ledger.read(2 * LEDGER_NAMES.len())?;
-        let scale = f64::from(self.emit.ledger_unit) / f64::from(samples.max(1));
+        let scale = f64::from(self.emit.ledger_unit) / f64::from(samples.div_ceil(self.reuse).max(1));
         let entries = LEDGER_NAMES.iter().zip(words.chunks_exact(2)).map(|(name, pair)| LedgerEntry {
             name,
             watts: (f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])) * scale,
@@ -337,8 +355,10 @@ impl Technique for Reference {
         Ok(std::iter::once(LedgerEntry { name: "emitted", watts: self.flux.into() }).chain(entries).collect())
     }
 
-    fn estimates_noise(&self) -> bool {
-        self.slots > 0
+    fn second_half(&self, samples: u32) -> Option<u32> {
+        let sets = samples / self.reuse;
+        let rest = if sets % 2 == 1 { samples % self.reuse } else { 0 };
+        (self.slots > 0).then_some(sets / 2 * self.reuse + rest)
     }
 
     fn warnings(&self) -> Result<Vec<String>, GpuError> {

@@ -82,7 +82,7 @@ fn unknown_names() {
     misused(
         "--disable ray-qeury",
         "invalid value 'ray-qeury' for '--disable <LIST>': unknown capability \"ray-qeury\" in the list of what to \
-         disable; allowed are: ray-query, graphics, geometry-shader, float-atomics, timestamps",
+         disable; allowed are: ray-query, graphics, precise-raster, geometry-shader, float-atomics, timestamps",
     );
     misused("--colour red", "unexpected argument '--colour' found");
     let sentence = "scene.toml has no camera \"side\"; it has: above, under";

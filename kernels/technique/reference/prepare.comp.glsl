@@ -7,6 +7,7 @@ layout(push_constant) uniform PreparePush {
     float radius_pixels; // the first radius is this many footprints,
     float least_radius;  // but at least this, m, so that it holds some photons,
     float max_radius;    // and at most this, m
+    uint new_grid;       // 1: the photons are about to be sorted anew
 } push;
 
 void main() {
@@ -16,8 +17,10 @@ void main() {
     float radius2 = statistics[slot].radius2;
     if (radius2 == 0.0) {
         float radius = min(max(push.radius_pixels * visible_points[slot].footprint, push.least_radius), push.max_radius);
+        // Photons that stay sorted from an earlier sample are in cells that fit the radii of then.
+        if (push.new_grid == 0u) radius = min(radius, max(uintBitsToFloat(grid.max_radius), 1e-6));
         radius2 = radius * radius;
         statistics[slot].radius2 = radius2;
     }
-    atomicMax(grid.max_radius, floatBitsToUint(sqrt(radius2)));
+    if (push.new_grid != 0u) atomicMax(grid.max_radius, floatBitsToUint(sqrt(radius2)));
 }

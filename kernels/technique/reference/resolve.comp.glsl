@@ -15,7 +15,7 @@ void main() {
     float scale = statistic.radius2 > 0.0 ? 1.0 / (PI * statistic.radius2 * float(push.passes)) : 0.0;
     film_caustic[slot] = vec4(statistic.radiance_flux * scale, 0.0);
     if (slot < pixels) {
-        // w: the same irradiance from the odd passes alone, for the error estimate.
-        film_irradiance[slot] = vec4(statistic.irradiance_flux, half_fluxes[slot] ) * scale;
+        // w: what one half of the passes contributes to the channels' mean, for the error estimate.
+        film_irradiance[slot] = vec4(statistic.irradiance_flux, half_fluxes[slot]) * scale;
     }
 }
