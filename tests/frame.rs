@@ -6,8 +6,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid};
-use nephroid::gpu::Capability;
+use nephroid::gpu::{Bindings, Buffer, Capability, Kernel, Recorder};
 use nephroid::image::LayeredImage;
+use nephroid::random;
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
@@ -33,6 +34,8 @@ fn main() -> ExitCode {
             run: raster_and_rays,
         },
         Case { name: "back_ends_give_the_same_picture", needs: &[], disable: "", run: back_ends },
+        Case { name: "devices_give_the_same_picture", needs: &[], disable: "", run: devices },
+        Case { name: "random_numbers_are_the_hosts", needs: &[], disable: "", run: random_numbers },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: equal_bits },
     ])
 }
@@ -310,6 +313,32 @@ fn back_ends(request: &Request) {
     } else {
         println!("ray query is left out: the driver lacks ray-query");
     }
+}
+
+fn devices(request: &Request) {
+    // Each device against the first, both without graphics and ray queries.
+    let mut first = Request { info: request.info.clone(), device: request.device.clone() };
+    first.device.device = Some("0".to_string());
+    for camera in ["under", "above"] {
+        let here = pool(request, camera, "graphics", "cwbvh");
+        assert_same_layers(&here, &pool(&first, camera, "graphics", "cwbvh"), &format!("device 0, {camera}"));
+    }
+}
+
+fn random_numbers(request: &Request) {
+    let (seed, count) = (99u32, 1u32 << 16);
+    let device = request.open();
+    let kernel = Kernel::new(&device, "selftest/random", "").unwrap();
+    let points = Buffer::new(&device, "points", u64::from(count) * 8).unwrap();
+    let mut recorder = Recorder::new(&device).unwrap();
+    let bindings = Bindings::new().buffer("Points", &points);
+    recorder.pass("selftest/random").unwrap().dispatch(&kernel, &[&bindings], &[seed, count], count).unwrap();
+    recorder.submit().unwrap();
+    let found: Vec<[f32; 2]> = points.read(count as usize).unwrap();
+    for (index, point) in (0..count).zip(found) {
+        assert_eq!(point, random::sample_2d(index, random::combine(seed, index / 256)), "point {index}");
+    }
+    assert_valid(&device);
 }
 
 fn equal_bits(request: &Request) {
