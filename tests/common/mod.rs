@@ -54,8 +54,22 @@ pub fn run(cases: &'static [Case]) -> ExitCode {
             return libtest_mimic::run(&arguments, vec![failing]).exit_code();
         }
     };
-    let trials = devices.iter().flat_map(|info| cases.iter().map(|case| trial(case, info))).collect();
+    let mut trials: Vec<Trial> = devices.iter().flat_map(|info| cases.iter().map(|case| trial(case, info))).collect();
+    trials.extend(expected_drivers().into_iter().map(|(name, part)| {
+        let found = devices.iter().any(|d| d.name.contains(part));
+        Trial::test(format!("the driver {name} shows a device"), move || {
+            if found { Ok(()) } else { Err(Failed::from(format!("no device's name contains \"{part}\""))) }
+        })
+    }));
     libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+/// The software drivers that `tools/test` says are installed, each with a part of its device's name: one that shows no
+/// device would go untested unseen.
+fn expected_drivers() -> Vec<(&'static str, &'static str)> {
+    let installed = std::env::var("NEPHROID_TEST_DRIVERS").unwrap_or_default();
+    let known = [("lavapipe", "llvmpipe"), ("swiftshader", "SwiftShader")];
+    known.into_iter().filter(|(name, _)| installed.split(':').any(|d| d.starts_with(&format!("{name}=")))).collect()
 }
 
 fn trial(case: &'static Case, info: &DeviceInfo) -> Trial {
