@@ -14,14 +14,11 @@ use thiserror::Error;
 pub use args::RenderArgs;
 
 use crate::gpu::Device;
-use crate::image::{Format, ImageError, LayeredImage, RgbImage, atomic, openexr, png, tone};
+use crate::image::{Format, ImageError, LayeredImage, atomic, openexr, png, tone};
 use crate::render::{Picture, RenderError, Renderer};
-use crate::scene::{self, FilmSettings, SceneError, ToneCurve};
+use crate::scene::{self, FilmSettings, SceneError};
 use crate::stats::Stats;
 use progress::Display;
-
-/// The luminance that Reinhard's curve sends to 1.
-const REINHARD_WHITE: f32 = 4.0;
 
 /// Why a rendering failed.
 #[derive(Debug, Error)]
@@ -43,7 +40,7 @@ pub enum RenderCommandError {
 pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     let start = Instant::now();
     let formats = args.output.iter().map(|path| atomic::check(path)).collect::<Result<Vec<_>, _>>()?;
-    args.stats.as_deref().map_or(Ok(()), check_stats)?;
+    args.stats.as_deref().map_or(Ok(()), atomic::check_place)?;
 
     let scene = scene::load(&args.scene)?;
     let mut teller = Teller { quiet: args.quiet, warned: Vec::new() };
@@ -87,31 +84,9 @@ fn write(path: &Path, format: Format, image: &LayeredImage, film: &FilmSettings)
         Format::Exr => openexr::write(path, image),
         Format::Png => {
             let picture = image.select(path, None)?;
-            png::write(path, picture.width, picture.height, &display(&picture, film))
+            let bytes = tone::display(&picture.pixels, film.exposure, tone::curve(film.tone_curve));
+            png::write(path, picture.width, picture.height, &bytes)
         }
-    }
-}
-
-fn display(picture: &RgbImage, film: &FilmSettings) -> Vec<[u8; 3]> {
-    tone::display(&picture.pixels, film.exposure, |colour| match film.tone_curve {
-        ToneCurve::Linear => colour,
-        ToneCurve::Reinhard => tone::reinhard_extended(colour, REINHARD_WHITE),
-    })
-}
-
-/// As [`atomic::check`], for a file that is not a picture.
-fn check_stats(path: &Path) -> Result<(), ImageError> {
-    let failed = |reason: String| Err(ImageError::Write { path: path.to_owned(), reason });
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() {
-        return failed("it is a folder".to_owned());
-    }
-    if !folder.is_dir() {
-        return failed(format!("the folder {} does not exist", folder.display()));
-    }
-    match tempfile::tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(error) => failed(format!("no file can be made in the folder {}: {}", folder.display(), error.kind())),
     }
 }
 

@@ -37,8 +37,17 @@ pub fn write(path: &Path, produce: impl FnOnce(&mut dyn WriteSeek) -> Result<(),
 /// [`ImageError::UnknownExtension`], or [`ImageError::Write`] with what stands in the way.
 pub fn check(path: &Path) -> Result<Format, ImageError> {
     let format = Format::of(path)?;
+    check_place(path)?;
+    Ok(format)
+}
+
+/// Whether a file of any kind can be written at `path`.
+///
+/// # Errors
+/// [`ImageError::Write`] with what stands in the way.
+pub fn check_place(path: &Path) -> Result<(), ImageError> {
     match temporary_beside(path) {
-        Ok(_) => Ok(format),
+        Ok(_) => Ok(()),
         Err(reason) => Err(ImageError::Write { path: path.to_owned(), reason }),
     }
 }

@@ -1,5 +1,10 @@
 //! From linear radiance to display values.
 
+use crate::scene::ToneCurve;
+
+/// The luminance that a scene's Reinhard curve sends to 1.
+const REINHARD_WHITE: f32 = 4.0;
+
 /// Rec.709 luminance of a linear colour.
 pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
@@ -24,6 +29,14 @@ pub fn reinhard_extended(colour: [f32; 3], white: f32) -> [f32; 3] {
     }
     let scale = (1.0 + bright / (white * white)) / (1.0 + bright);
     colour.map(|component| component * scale)
+}
+
+/// What a scene's tone curve does to a linear colour.
+pub fn curve(curve: ToneCurve) -> impl Fn([f32; 3]) -> [f32; 3] {
+    move |colour| match curve {
+        ToneCurve::Linear => colour,
+        ToneCurve::Reinhard => reinhard_extended(colour, REINHARD_WHITE),
+    }
 }
 
 /// The 8-bit sRGB value of a linear colour, each component clamped to [0, 1]; NaN becomes 0.

@@ -33,20 +33,29 @@ pub enum TraceChoice {
     Cwbvh,
 }
 
+impl TraceChoice {
+    pub const ALL: [TraceChoice; 5] =
+        [TraceChoice::Auto, TraceChoice::RayQuery, TraceChoice::Bvh, TraceChoice::Bvh2, TraceChoice::Cwbvh];
+
+    /// The command-line value.
+    pub fn name(self) -> &'static str {
+        match self {
+            TraceChoice::Auto => "auto",
+            TraceChoice::RayQuery => "ray-query",
+            TraceChoice::Bvh => "bvh",
+            TraceChoice::Bvh2 => "bvh2",
+            TraceChoice::Cwbvh => "cwbvh",
+        }
+    }
+}
+
 impl std::str::FromStr for TraceChoice {
     type Err = TraceError;
 
     fn from_str(name: &str) -> Result<Self, TraceError> {
-        let all = [
-            ("auto", TraceChoice::Auto),
-            ("ray-query", TraceChoice::RayQuery),
-            ("bvh", TraceChoice::Bvh),
-            ("bvh2", TraceChoice::Bvh2),
-            ("cwbvh", TraceChoice::Cwbvh),
-        ];
-        all.iter().find(|(n, _)| *n == name).map(|(_, choice)| *choice).ok_or_else(|| TraceError::UnknownChoice {
+        Self::ALL.into_iter().find(|choice| choice.name() == name).ok_or_else(|| TraceError::UnknownChoice {
             found: name.to_string(),
-            allowed: all.map(|(n, _)| n).join(", "),
+            allowed: Self::ALL.map(Self::name).join(", "),
         })
     }
 }

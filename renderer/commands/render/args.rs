@@ -53,7 +53,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
     /// How rays are traced: by the device, or through one of two trees; `auto` takes what it finds fastest
-    #[arg(long, value_name = "HOW", default_value = "auto", value_parser = named(TRACES, str::parse::<TraceChoice>))]
+    #[arg(long, value_name = "HOW", default_value = TraceChoice::default().name())]
+    #[arg(value_parser = named(TraceChoice::ALL.map(TraceChoice::name), str::parse::<TraceChoice>))]
     pub trace: TraceChoice,
     #[arg(long, value_name = "LIST", help = disable_help(), value_parser = Capabilities::parse)]
     pub disable: Option<Capabilities>,
@@ -91,8 +92,6 @@ impl RenderArgs {
         }
     }
 }
-
-const TRACES: [&str; 5] = ["auto", "ray-query", "bvh", "bvh2", "cwbvh"];
 
 /// Takes one of `names`, and `parse` makes a value of it; help, completions and errors list the names.
 fn named<T, E>(
