@@ -123,11 +123,25 @@ impl Renderer {
             passes: Vec::new(),
             started,
         };
-        for band in bands(size, renderer.device.info.limits.storage_range) {
-            let state = renderer.band(band)?;
-            renderer.bands.push(state);
-        }
+        renderer.make_bands()?;
         Ok(renderer)
+    }
+
+    /// Forgets all samples: after a kernel has changed they are another picture's.
+    #[cfg(feature = "hot-reload")]
+    pub fn restart(&mut self) -> Result<(), RenderError> {
+        self.bands.clear();
+        self.passes.clear();
+        self.done = 0;
+        Ok(self.make_bands()?)
+    }
+
+    fn make_bands(&mut self) -> Result<(), GpuError> {
+        for band in bands(self.size, self.device.info.limits.storage_range) {
+            let state = self.band(band)?;
+            self.bands.push(state);
+        }
+        Ok(())
     }
 
     fn band(&self, band: Band) -> Result<BandState, GpuError> {

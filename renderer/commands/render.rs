@@ -3,6 +3,8 @@
 mod args;
 mod interrupt;
 mod progress;
+#[cfg(feature = "hot-reload")]
+mod watch;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -29,6 +31,9 @@ pub enum RenderCommandError {
     Image(#[from] ImageError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[cfg(feature = "hot-reload")]
+    #[error(transparent)]
+    Watch(#[from] crate::gpu::WatchError),
     #[error("the validation layers have {count} messages, of which the first is: {first}")]
     Validation { count: usize, first: String },
 }
@@ -51,7 +56,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     teller.tell_device(&renderer);
     teller.warn(&device.warnings());
 
-    let done = render(&mut renderer, args.quiet)?;
+    let done = render(&mut renderer, args)?;
     let Picture { image, stats } = renderer.finish()?;
     interrupt::writing();
     for (path, format) in args.output.iter().zip(formats) {
@@ -66,11 +71,18 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
 }
 
 /// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
-fn render(renderer: &mut Renderer, quiet: bool) -> Result<u32, RenderError> {
+fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<u32, RenderCommandError> {
+    #[cfg(feature = "hot-reload")]
+    let mut watch = watch::Watch::new(args, renderer)?;
     interrupt::catch();
-    let mut display = Display::new(renderer.samples(), quiet);
+    let mut display = Display::new(renderer.samples(), args.quiet);
     let mut done = 0;
     while done < renderer.samples() && !(interrupt::came() && done > 0) {
+        #[cfg(feature = "hot-reload")]
+        if watch.poll(renderer, &display)? {
+            display.finish();
+            display = Display::new(renderer.samples(), args.quiet);
+        }
         let progress = renderer.sample()?;
         display.update(&progress);
         done = progress.done;

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::error::Call;
-use super::kernel::{PipelineLayout, descriptor_type};
+use super::pipeline::{PipelineLayout, descriptor_type};
 use super::reflect::SlotKind;
 use super::{Binding, Bindings, Device, GpuError};
 

@@ -50,6 +50,9 @@ pub struct DeviceInner {
     pub(crate) labels: Option<ext::debug_utils::Device>,
     pub(crate) structures: Option<khr::acceleration_structure::Device>,
     pub(crate) rendering: Option<khr::dynamic_rendering::Device>,
+    /// The kernels that live on this device, for hot reload.
+    #[cfg(feature = "hot-reload")]
+    pub(crate) kernels: super::reload::LiveKernels,
     held: AtomicU64,
     peak: AtomicU64,
     instance: Arc<Instance>,
@@ -109,6 +112,8 @@ impl Device {
             queue: Mutex::new(queue),
             queue_family,
             allocator: Mutex::new(ManuallyDrop::new(allocator)),
+            #[cfg(feature = "hot-reload")]
+            kernels: Default::default(),
             held: AtomicU64::new(0),
             peak: AtomicU64::new(0),
             instance: instance.clone(),

@@ -10,10 +10,13 @@ mod instance;
 mod kernel;
 mod layout;
 mod memory;
+mod pipeline;
 mod quirks;
 mod raster;
 mod recorder;
 mod reflect;
+#[cfg(feature = "hot-reload")]
+mod reload;
 mod survey;
 
 pub use capability::{Capabilities, Capability};
@@ -28,4 +31,6 @@ pub use quirks::Quirks;
 pub use raster::{Raster, RasterTargets};
 pub use recorder::{Pass, PassTime, Recorder};
 pub use reflect::{Interface, Struct, reflect};
+#[cfg(feature = "hot-reload")]
+pub use reload::{KernelWatch, ReloadReport, WatchError};
 pub use survey::{DeviceInfo, Limits};

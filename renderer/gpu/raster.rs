@@ -5,8 +5,10 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::error::Call;
-use super::kernel::{Module, PipelineLayout, module_words};
+use super::pipeline::{Module, Pipeline, PipelineLayout, PipelineSlot, module_words};
 use super::reflect::reflect;
+#[cfg(feature = "hot-reload")]
+use super::reload::{ModuleName, Reloadable};
 use super::{Bindings, Device, GpuError, Image, Pass};
 
 /// A vertex and a fragment stage of one name. Nearer is larger in depth (reversed, infinite far plane). Clones share it.
@@ -15,9 +17,13 @@ pub struct Raster(Arc<RasterInner>);
 
 pub(crate) struct RasterInner {
     name: String,
-    pipeline: vk::Pipeline,
-    layout: PipelineLayout,
-    device: Device,
+    layout: Arc<PipelineLayout>,
+    pipeline: PipelineSlot,
+    /// What a new pipeline has to fit.
+    #[cfg(feature = "hot-reload")]
+    formats: [vk::Format; 2],
+    #[cfg(feature = "hot-reload")]
+    modules: [ModuleName; 2],
 }
 
 /// What is drawn into: one colour target and its depth.
@@ -44,59 +50,86 @@ impl Raster {
         let (vertex, fragment) = (module_words(name, "vert", "")?, module_words(name, "frag", "")?);
         let interfaces = [reflect(&vertex).map_err(error)?, reflect(&fragment).map_err(error)?];
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let layout = PipelineLayout::new(device, name, &[&interfaces[0], &interfaces[1]], stages)?;
-        let (vertex, fragment) = (Module::new(device, &vertex)?, Module::new(device, &fragment)?);
-        let stage = |stage, module: &Module| {
-            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(c"main")
-        };
-        let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
-        let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
-        let assembly =
-            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
-            .polygon_mode(vk::PolygonMode::FILL)
-            .cull_mode(vk::CullModeFlags::NONE)
-            .line_width(1.0);
-        let samples =
-            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(true)
-            .depth_write_enable(true)
-            .depth_compare_op(vk::CompareOp::GREATER);
-        let attachment =
-            [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)];
-        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachment);
-        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
-        let formats = [targets.color.format];
-        let mut rendering = vk::PipelineRenderingCreateInfo::default()
-            .color_attachment_formats(&formats)
-            .depth_attachment_format(targets.depth.format);
-        let info = vk::GraphicsPipelineCreateInfo::default()
-            .stages(&stages)
-            .vertex_input_state(&vertex_input)
-            .input_assembly_state(&assembly)
-            .viewport_state(&viewport)
-            .rasterization_state(&rasterisation)
-            .multisample_state(&samples)
-            .depth_stencil_state(&depth)
-            .color_blend_state(&blend)
-            .dynamic_state(&dynamic)
-            .layout(layout.raw)
-            .push_next(&mut rendering);
-        // SAFETY: every state points to a local that outlives the call.
-        let pipelines = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let pipeline = pipelines.map_err(|(_, result)| result).call("vkCreateGraphicsPipelines")?[0];
-        device.set_name(pipeline, name);
-        Ok(Raster(Arc::new(RasterInner { name: name.to_string(), pipeline, layout, device: device.clone() })))
+        let layout = Arc::new(PipelineLayout::new(device, name, &[&interfaces[0], &interfaces[1]], stages)?);
+        let formats = [targets.color.format, targets.depth.format];
+        let inner = Arc::new(RasterInner {
+            name: name.to_string(),
+            pipeline: PipelineSlot::new(pipeline(device, name, &layout, formats, [&vertex, &fragment])?),
+            layout,
+            #[cfg(feature = "hot-reload")]
+            formats,
+            #[cfg(feature = "hot-reload")]
+            modules: ["vert", "frag"].map(|stage| ModuleName::new(name, stage, "")),
+        });
+        #[cfg(feature = "hot-reload")]
+        super::reload::register(device, inner.clone())?;
+        Ok(Raster(inner))
     }
 }
 
-impl Drop for RasterInner {
-    fn drop(&mut self) {
-        // SAFETY: submissions are waited for, and a recorder holds its pipelines until then.
-        unsafe { self.device.raw.destroy_pipeline(self.pipeline, None) };
+/// `formats` are the colour's and the depth's, the words those of the vertex and the fragment stage.
+fn pipeline(
+    device: &Device,
+    name: &str,
+    layout: &Arc<PipelineLayout>,
+    [color, depth_format]: [vk::Format; 2],
+    [vertex, fragment]: [&[u32]; 2],
+) -> Result<Pipeline, GpuError> {
+    let (vertex, fragment) = (Module::new(device, vertex)?, Module::new(device, fragment)?);
+    let stage = |stage, module: &Module| {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(c"main")
+    };
+    let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
+    let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(vk::PolygonMode::FILL)
+        .cull_mode(vk::CullModeFlags::NONE)
+        .line_width(1.0);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(true)
+        .depth_write_enable(true)
+        .depth_compare_op(vk::CompareOp::GREATER);
+    let attachment = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)];
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachment);
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+    let colors = [color];
+    let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .color_attachment_formats(&colors)
+        .depth_attachment_format(depth_format);
+    let info = vk::GraphicsPipelineCreateInfo::default()
+        .stages(&stages)
+        .vertex_input_state(&vertex_input)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport)
+        .rasterization_state(&rasterisation)
+        .multisample_state(&samples)
+        .depth_stencil_state(&depth)
+        .color_blend_state(&blend)
+        .dynamic_state(&dynamic)
+        .layout(layout.raw)
+        .push_next(&mut rendering);
+    // SAFETY: every state points to a local that outlives the call.
+    let pipelines = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+    let raw = pipelines.map_err(|(_, result)| result).call("vkCreateGraphicsPipelines")?[0];
+    Ok(Pipeline::new(device, raw, layout, name))
+}
+
+#[cfg(feature = "hot-reload")]
+impl Reloadable for RasterInner {
+    fn modules(&self) -> &[ModuleName] {
+        &self.modules
+    }
+
+    fn reload(&self, device: &Device, modules: &[Vec<u32>]) -> Result<(), GpuError> {
+        if let [vertex, fragment] = modules {
+            let pipeline = pipeline(device, &self.name, &self.layout, self.formats, [vertex, fragment])?;
+            self.pipeline.replace(pipeline);
+        }
+        Ok(())
     }
 }
 
@@ -111,7 +144,8 @@ impl Pass<'_> {
     ) -> Result<&mut Self, GpuError> {
         let inner = &raster.0;
         let sets = self.descriptors().sets(&inner.name, &inner.layout, bindings, size_of::<P>())?;
-        self.hold(raster);
+        let pipeline = inner.pipeline.get();
+        self.hold(&pipeline);
         self.hold(targets);
         bindings.iter().for_each(|b| self.hold(*b));
         let device = self.device().clone();
@@ -163,14 +197,14 @@ impl Pass<'_> {
             rendering.cmd_begin_rendering(commands, &info);
             device.raw.cmd_set_viewport(commands, 0, &[viewport]);
             device.raw.cmd_set_scissor(commands, 0, &[area]);
-            device.raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, inner.pipeline);
+            device.raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.raw);
             if !sets.is_empty() {
                 let point = vk::PipelineBindPoint::GRAPHICS;
-                device.raw.cmd_bind_descriptor_sets(commands, point, inner.layout.raw, 0, &sets, &[]);
+                device.raw.cmd_bind_descriptor_sets(commands, point, pipeline.layout.raw, 0, &sets, &[]);
             }
             for (push, vertices) in items {
                 let bytes = bytemuck::bytes_of(push);
-                device.raw.cmd_push_constants(commands, inner.layout.raw, inner.layout.stages, 0, bytes);
+                device.raw.cmd_push_constants(commands, pipeline.layout.raw, pipeline.layout.stages, 0, bytes);
                 device.raw.cmd_draw(commands, *vertices, 1, 0, 0);
             }
             rendering.cmd_end_rendering(commands);

@@ -361,17 +361,18 @@ impl Pass<'_> {
         let sets = self.recorder.descriptors.sets(&kernel.name, &kernel.layout, bindings, push.len())?;
         let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
         let point = vk::PipelineBindPoint::COMPUTE;
+        let pipeline = kernel.pipeline.get();
         // SAFETY: sets and push constants were checked against the layout the pipeline was made with.
         unsafe {
-            raw.cmd_bind_pipeline(commands, point, kernel.pipeline);
+            raw.cmd_bind_pipeline(commands, point, pipeline.raw);
             if !sets.is_empty() {
-                raw.cmd_bind_descriptor_sets(commands, point, kernel.layout.raw, 0, &sets, &[]);
+                raw.cmd_bind_descriptor_sets(commands, point, pipeline.layout.raw, 0, &sets, &[]);
             }
             if !push.is_empty() {
-                raw.cmd_push_constants(commands, kernel.layout.raw, kernel.layout.stages, 0, push);
+                raw.cmd_push_constants(commands, pipeline.layout.raw, pipeline.layout.stages, 0, push);
             }
         }
-        self.hold(kernel);
+        self.hold(&pipeline);
         bindings.iter().for_each(|b| self.hold(*b));
         Ok(())
     }

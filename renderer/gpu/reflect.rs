@@ -13,6 +13,8 @@ pub struct Interface {
     pub push_constants: u32,
     /// Invocations along each axis; ones for stages that are not compute.
     pub workgroup: [u32; 3],
+    /// Numbers of the SPIR-V capabilities it declares.
+    pub capabilities: Vec<u32>,
     /// Every named struct in a buffer or in the push constants, with its layout.
     pub structs: Vec<Struct>,
 }
@@ -50,7 +52,13 @@ pub fn reflect(words: &[u32]) -> Result<Interface, String> {
     let [entry] = entry_points.as_slice() else {
         return Err(format!("it has {} entry points instead of one", entry_points.len()));
     };
-    let mut interface = Interface { slots: vec![], push_constants: 0, workgroup: [1; 3], structs: vec![] };
+    let mut interface = Interface {
+        slots: vec![],
+        push_constants: 0,
+        workgroup: [1; 3],
+        capabilities: capabilities(words),
+        structs: vec![],
+    };
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
@@ -78,6 +86,21 @@ pub fn reflect(words: &[u32]) -> Result<Interface, String> {
     }
     interface.slots.sort_by_key(|slot| (slot.set, slot.binding));
     Ok(interface)
+}
+
+/// The operands of every OpCapability.
+fn capabilities(words: &[u32]) -> Vec<u32> {
+    const HEADER_WORDS: usize = 5;
+    const OP_CAPABILITY: u32 = 17;
+    let mut found = Vec::new();
+    let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
+    while let [first, operands @ ..] = rest {
+        if first & 0xffff == OP_CAPABILITY {
+            found.extend(operands.first());
+        }
+        rest = rest.get((first >> 16).max(1) as usize..).unwrap_or_default();
+    }
+    found
 }
 
 fn literal(value: &spirq::constant::ConstantValue) -> Option<u32> {

@@ -201,3 +201,12 @@ fn comparisons_and_pages() {
     let stderr = folder.refused(folder.command(["completions", "crab"]), 2);
     assert!(stderr.contains("invalid value 'crab' for '<SHELL>'"), "{stderr}");
 }
+
+#[cfg(feature = "hot-reload")]
+#[test]
+fn folders_without_kernels() {
+    fails(
+        "scene.toml -o kept.exr --quiet --watch-kernels=.",
+        "the kernels cannot be watched: . is not a folder with kernel sources",
+    );
+}

@@ -70,6 +70,10 @@ pub struct RenderArgs {
     /// Run under the Vulkan validation layers, and fail if they find something
     #[arg(long)]
     pub validation: bool,
+    /// Start over with the changed kernels whenever a GLSL file in FOLDER changes [default: where they were built from]
+    #[cfg(feature = "hot-reload")]
+    #[arg(long, value_name = "FOLDER", num_args = 0..=1, require_equals = true)]
+    pub watch_kernels: Option<Option<PathBuf>>,
 }
 
 impl RenderArgs {

@@ -54,6 +54,16 @@ impl Display {
         }
     }
 
+    /// Says something that is no progress, quiet or not.
+    #[cfg(feature = "hot-reload")]
+    pub fn aside(&self, text: &str) {
+        let tell = || drop(writeln!(io::stderr(), "{text}"));
+        match &self.form {
+            Form::Bar(bar) => bar.suspend(tell),
+            _ => tell(),
+        }
+    }
+
     /// Takes the bar off the screen.
     pub fn finish(self) {
         if let Form::Bar(bar) = self.form {
