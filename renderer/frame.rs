@@ -75,7 +75,8 @@ impl Frame {
         let points = crate::film::VISIBLE_LAYERS * pixels;
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
         let variant = tracer.backend.variant();
-        let visibility = if device.has(Capability::PreciseRaster) {
+        let fits = view.width.max(view.rows) <= device.info.limits.target_side;
+        let visibility = if device.has(Capability::PreciseRaster) && fits {
             let targets = RasterTargets::ids(device, "visibility", view.width, view.rows)?;
             Visibility::Raster { raster: Raster::new(device, "frame/visibility", &targets)?, targets }
         } else {

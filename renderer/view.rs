@@ -33,9 +33,8 @@ impl View {
     /// A film of `width` x `height` pixels behind `camera`.
     pub fn new(camera: &Camera, film: &FilmSettings, (width, height): (u32, u32), band: Band) -> View {
         let forward = (camera.target - camera.position).normalize();
-        // Looking along `up`, any other axis serves.
-        let up_hint = if forward.cross(camera.up).length_squared() > 1e-12 { camera.up } else { camera.up.zxy() };
-        let right = forward.cross(up_hint).normalize();
+        // Looking along `up`, any direction across serves.
+        let right = forward.cross(camera.up).try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
         let up = right.cross(forward);
         let half_height = (camera.fov_y.to_radians() * 0.5).tan();
         let aspect = width as f32 / height as f32;
@@ -57,5 +56,3 @@ impl View {
         }
     }
 }
-
-use glam::Vec3Swizzles;

@@ -102,9 +102,11 @@ vec3 rough_lobe_cosine(Surface s, vec3 direction, vec3 to_light) {
     float cos_light = dot(to_light, n);
     if (cos_light <= 0.0) return vec3(0.0);
     vec3 half_way = normalize(to_light - direction);
-    float c = max(dot(half_way, n), 0.0);
+    float c = clamp(dot(half_way, n), 0.0, 1.0);
     float a2 = material.alpha * material.alpha;
-    float d = c * c * (a2 - 1.0) + 1.0;
+    // sin^2 + (alpha cos)^2, the sine by a cross product: 1 - cos^2 cancels where the lobe is narrow.
+    vec3 across = cross(n, half_way);
+    float d = dot(across, across) + a2 * c * c;
     float density = a2 / (PI * d * d);
     float g_view = smith(cos_view, material.alpha);
     float g_light = smith(cos_light, material.alpha);

@@ -52,7 +52,8 @@ vec3 texture_color(uint index, vec2 uv) {
     vec2 at = fract(vec2(uv.x, 1.0 - uv.y)) * size - 0.5;
     vec2 low = floor(at);
     vec2 part = at - low;
-    uvec2 first = uvec2(mod(low + size, size));
+    ivec2 wrap = ivec2(t.width, t.height);
+    uvec2 first = uvec2((ivec2(low) + wrap) % wrap);
     uvec2 second = uvec2((first.x + 1u) % t.width, (first.y + 1u) % t.height);
     vec3 top = mix(texel(t, first.x, first.y), texel(t, second.x, first.y), part.x);
     vec3 bottom = mix(texel(t, first.x, second.y), texel(t, second.x, second.y), part.x);

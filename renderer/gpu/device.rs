@@ -9,7 +9,6 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::capability::{Capabilities, Capability};
-use super::error::Call;
 use super::survey::{DeviceInfo, choose, survey};
 use super::{GpuError, Instance, Quirks};
 
@@ -223,10 +222,7 @@ fn create(
     let core = vk::PhysicalDeviceFeatures::default().geometry_shader(capabilities.has(Capability::GeometryShader));
     let mut features = vk::PhysicalDeviceFeatures2::default().features(core);
     if capabilities.has(Capability::Graphics) {
-        // Promoted in 1.3, and then still accepted under its extension's name where that is listed.
-        if lists(instance, info, khr::dynamic_rendering::NAME)? {
-            extensions.push(khr::dynamic_rendering::NAME.as_ptr());
-        }
+        extensions.push(khr::dynamic_rendering::NAME.as_ptr());
         features = features.push_next(&mut rendering);
     }
     if capabilities.has(Capability::RayQuery) {
@@ -253,11 +249,4 @@ fn create(
         device: info.name.clone(),
         reason: format!("vkCreateDevice failed: {result}"),
     })
-}
-
-fn lists(instance: &Instance, info: &DeviceInfo, extension: &std::ffi::CStr) -> Result<bool, GpuError> {
-    // SAFETY: the physical device belongs to this instance.
-    let listed = unsafe { instance.raw.enumerate_device_extension_properties(info.raw) }
-        .call("vkEnumerateDeviceExtensionProperties")?;
-    Ok(listed.iter().any(|e| e.extension_name_as_c_str() == Ok(extension)))
 }

@@ -21,6 +21,8 @@ pub enum GpuError {
     Unsuitable { device: String, reason: String },
     #[error("validation was asked for, but the layer VK_LAYER_KHRONOS_validation is not installed")]
     NoValidation,
+    #[error("validation was asked for, but the extension VK_EXT_debug_utils, which brings its messages, is missing")]
+    NoMessages,
     #[error("unknown capability \"{found}\" in the list of what to disable; allowed are: {allowed}")]
     UnknownCapability { found: String, allowed: String },
     #[error("the capability {0} cannot be disabled: it has no fallback")]

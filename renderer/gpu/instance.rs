@@ -35,6 +35,9 @@ impl Instance {
             return Err(GpuError::NoValidation);
         }
         let debug_utils = has_debug_utils(&entry)?;
+        if validation && !debug_utils {
+            return Err(GpuError::NoMessages);
+        }
         let messages = Messages::default();
         let mut callback_target = Box::new(messages.clone());
 

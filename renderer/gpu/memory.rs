@@ -12,6 +12,9 @@ use super::{Device, GpuError, Recorder};
 /// Bytes moved at once between host and device, so that a large mesh needs no staging buffer of its size.
 const CHUNK: usize = 16 << 20;
 
+/// Usage of scratch memory for building acceleration structures.
+pub(crate) const SCRATCH: vk::BufferUsageFlags = vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+
 /// A storage buffer that can be copied, filled and drawn from indirectly. Clones share it.
 #[derive(Clone)]
 pub struct Buffer(Arc<BufferInner>);
@@ -72,7 +75,9 @@ impl Buffer {
     ) -> Result<Buffer, GpuError> {
         let size = size.max(16).next_multiple_of(4);
         let limit = device.info.limits.storage_range;
-        if size > limit && location == MemoryLocation::GpuOnly {
+        // Acceleration structures and their scratch are never bound as storage buffers.
+        let bound = !usage.contains(vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR) && usage != SCRATCH;
+        if size > limit && bound && location == MemoryLocation::GpuOnly {
             return Err(GpuError::BufferTooLarge {
                 device: device.info.name.clone(),
                 what: name.to_string(),
@@ -160,8 +165,8 @@ impl Buffer {
 
     fn write_mapped(&self, bytes: &[u8]) -> Result<(), GpuError> {
         let pointer = self.0.allocation.as_ref().and_then(|a| a.mapped_ptr()).ok_or_else(|| self.not_mapped())?;
-        debug_assert!(bytes.len() as u64 <= self.size);
-        // SAFETY: the mapping holds `size` bytes, checked above, and no submission that reads them is under way, since
+        let bytes = &bytes[..bytes.len().min(self.size as usize)];
+        // SAFETY: the mapping holds `size` bytes, and no more are copied; and no submission that reads them is under way, since
         // every submission is waited for.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), pointer.as_ptr().cast(), bytes.len()) };
         Ok(())
@@ -233,18 +238,19 @@ impl Image {
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(usage);
-        // SAFETY: a plain two-dimensional target of a size that the film allows.
+        // SAFETY: a plain two-dimensional target; the frame asks for no larger one than the device allows.
         let raw = unsafe { device.raw.create_image(&info, None) }.call("vkCreateImage")?;
-        // SAFETY: the image was just created by this device.
-        let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
         let mut image = ImageInner {
             raw,
             view: vk::ImageView::null(),
             format,
             extent: vk::Extent2D { width, height },
             device: device.clone(),
-            allocation: Some(allocate(device, name, requirements, MemoryLocation::GpuOnly, false)?),
+            allocation: None,
         };
+        // SAFETY: the image was just created by this device.
+        let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
+        image.allocation = Some(allocate(device, name, requirements, MemoryLocation::GpuOnly, false)?);
         if let Some(allocation) = &image.allocation {
             // SAFETY: memory of the type and size the image asked for, bound once.
             unsafe { device.raw.bind_image_memory(raw, allocation.memory(), allocation.offset()) }

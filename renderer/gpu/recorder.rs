@@ -97,7 +97,8 @@ impl Recorder {
         }
         let index = self.passes.len() as u32;
         self.passes.push(name.to_string());
-        self.timestamp(2 * index, vk::PipelineStageFlags::TOP_OF_PIPE);
+        // At the bottom: after the barrier, so that a pass is not billed for the one before.
+        self.timestamp(2 * index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
         Ok(Pass { recorder: self, index })
     }
 
@@ -159,14 +160,22 @@ impl Recorder {
         // SAFETY: no preconditions.
         let fence = unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }.call("vkCreateFence")?;
         let done = self.run(fence);
-        if done.is_err() {
-            // What the commands use may still be in use on a device that hangs: leaking it is the only safe way.
-            std::mem::forget(std::mem::take(&mut self.held));
+        if matches!(done, Err(GpuError::Timeout { .. })) {
+            self.leak();
             return done;
         }
-        // SAFETY: the fence has been signalled.
+        // SAFETY: the fence has been signalled, was never submitted, or its device is lost.
         unsafe { raw.destroy_fence(fence, None) };
-        Ok(())
+        done
+    }
+
+    /// Gives up what a submission that did not end may still use: leaking it is the only safe way.
+    fn leak(&mut self) {
+        std::mem::forget(std::mem::take(&mut self.held));
+        std::mem::forget(std::mem::replace(&mut self.descriptors, DescriptorPools::new(&self.device)));
+        self.queries = None;
+        self.command_pool = vk::CommandPool::null();
+        std::mem::forget(self.device.clone());
     }
 
     fn run(&self, fence: vk::Fence) -> Result<(), GpuError> {
@@ -217,7 +226,8 @@ impl Recorder {
 
     fn read_times(&self, started: Instant) -> Result<Vec<PassTime>, GpuError> {
         if self.device.quirks.submit_each_pass {
-            let milliseconds = Some(started.elapsed().as_secs_f64() * 1e3);
+            let elapsed = started.elapsed().as_secs_f64() * 1e3;
+            let milliseconds = self.device.has(Capability::Timestamps).then_some(elapsed);
             return Ok(self.passes.iter().map(|name| PassTime { name: name.clone(), milliseconds }).collect());
         }
         let timed = (self.passes.len() as u32).min(MAX_TIMED_PASSES);
@@ -244,7 +254,8 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        // SAFETY: the commands have run, or were never submitted.
+        // SAFETY: the commands have run or were never submitted; what may still run was given up by `leak`, and destroying
+        // a null pool does nothing.
         unsafe {
             if let Some(queries) = self.queries {
                 self.device.raw.destroy_query_pool(queries, None);
@@ -289,6 +300,12 @@ impl Pass<'_> {
         arguments: &Buffer,
         offset: u64,
     ) -> Result<&mut Self, GpuError> {
+        if offset + 12 > arguments.size() || !offset.is_multiple_of(4) {
+            return Err(GpuError::Kernel {
+                kernel: kernel.name.clone(),
+                reason: format!("its group counts at byte {offset} are not inside {}", arguments.name()),
+            });
+        }
         self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
         self.hold(arguments);
         // SAFETY: the buffer was made for indirect use, and is held.
@@ -307,7 +324,14 @@ impl Pass<'_> {
     }
 
     /// Copies `bytes` between two buffers.
-    pub fn copy(&mut self, from: &Buffer, from_offset: u64, to: &Buffer, to_offset: u64, bytes: u64) -> &mut Self {
+    pub(crate) fn copy(
+        &mut self,
+        from: &Buffer,
+        from_offset: u64,
+        to: &Buffer,
+        to_offset: u64,
+        bytes: u64,
+    ) -> &mut Self {
         self.hold(from);
         self.hold(to);
         let region = vk::BufferCopy { src_offset: from_offset, dst_offset: to_offset, size: bytes };
@@ -317,7 +341,7 @@ impl Pass<'_> {
     }
 
     /// Copies a colour target, row after row without gaps, to the start of a buffer.
-    pub fn copy_image(&mut self, from: &Image, to: &Buffer) -> &mut Self {
+    pub(crate) fn copy_image(&mut self, from: &Image, to: &Buffer) -> &mut Self {
         self.hold(to);
         self.recorder.held.push(Arc::new(from.clone()));
         let region = vk::BufferImageCopy::default()

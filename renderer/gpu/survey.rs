@@ -42,6 +42,8 @@ pub struct Limits {
     pub storage_buffers: u32,
     /// Invocations; no kernel relies on it.
     pub subgroup: u32,
+    /// Pixels along one side of a raster target.
+    pub target_side: u32,
     /// Bits of a pixel to which the rasteriser knows positions.
     pub subpixel_bits: u32,
     /// Nanoseconds per timestamp tick.
@@ -82,6 +84,7 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
         workgroup_count: properties.limits.max_compute_work_group_count[0],
         storage_buffers: properties.limits.max_per_stage_descriptor_storage_buffers,
         subgroup: subgroup.subgroup_size,
+        target_side: target_side(&properties.limits),
         subpixel_bits: properties.limits.sub_pixel_precision_bits,
         timestamp_period: properties.limits.timestamp_period,
     };
@@ -119,6 +122,20 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
     })
 }
 
+fn target_side(limits: &vk::PhysicalDeviceLimits) -> u32 {
+    let viewport = limits.max_viewport_dimensions;
+    [
+        limits.max_image_dimension2_d,
+        limits.max_framebuffer_width,
+        limits.max_framebuffer_height,
+        viewport[0],
+        viewport[1],
+    ]
+    .into_iter()
+    .min()
+    .unwrap_or(0)
+}
+
 /// The driver's own words, or its number where it has none (SwiftShader).
 fn driver_version(driver: &vk::PhysicalDeviceDriverProperties<'_>, number: u32) -> String {
     let words = driver.driver_info_as_c_str().unwrap_or(c"").to_string_lossy();
@@ -144,7 +161,7 @@ fn capabilities(
     let mut ray_query = vk::PhysicalDeviceRayQueryFeaturesKHR::default();
     let mut structures = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default();
     let mut atomics = vk::PhysicalDeviceShaderAtomicFloatFeaturesEXT::default();
-    let has_rendering = version >= vk::API_VERSION_1_3 || has(khr::dynamic_rendering::NAME);
+    let has_rendering = has(khr::dynamic_rendering::NAME);
     let has_ray_query =
         has(khr::ray_query::NAME) && has(khr::acceleration_structure::NAME) && has(khr::deferred_host_operations::NAME);
     let has_atomics = has(ext::shader_atomic_float::NAME);

@@ -72,7 +72,7 @@ pub struct Context<'a> {
     pub seed: u32,
 }
 
-/// Where the light went, in W of the mean channel, over all passes.
+/// Where the light went, in W of the mean channel, averaged over the sets of photons.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct LedgerEntry {
     pub name: &'static str,

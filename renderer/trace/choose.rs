@@ -112,7 +112,15 @@ fn measure(device: &Device, scene: &Scene, gpu_scene: &GpuScene) -> Result<(Trac
     let mut best: Option<(Tracer, Measurement)> = None;
     let mut measured = Vec::new();
     for backend in [Backend::Cwbvh, Backend::RayQuery] {
-        let tracer = Tracer::new(device, scene, gpu_scene, backend)?;
+        let tracer = match Tracer::new(device, scene, gpu_scene, backend) {
+            Ok(tracer) => tracer,
+            // One back-end is enough; the other may want more memory than there is.
+            Err(error) if best.is_some() => {
+                device.warn(format!("{} is left out: {error}", backend.name()));
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         let probe = Probe::new(device, &tracer, &rays)?;
         let speed = |any_hit| -> Result<f64, TraceError> {
             probe.run(&tracer, gpu_scene, ANY_MASK, any_hit)?;

@@ -20,26 +20,25 @@ struct Statistic {
     float photons;        // N of the paper: gathered, times alpha for each pass
 };
 
-// Cells are this many to the largest radius in use: finer cells cost more look-ups, coarser ones more photons looked
-// at in vain where pixels are small.
-const float CELLS_PER_RADIUS = 2.0;
-const uint CELLS_PER_AXIS = 6u; // that a gathering sphere can touch at most: 2 * CELLS_PER_RADIUS + 1, and rounding
+// Cells are one to two to the largest radius in use: finer cells cost more look-ups, coarser ones more photons looked at
+// in vain where pixels are small. A gathering sphere touches five of them along an axis, and rounding may add one.
+const uint CELLS_PER_AXIS = 6u;
 
 struct GridState {
     uint max_radius; // the largest radius in use, as the bits of a float in m (positive floats order as their bits do)
-    uint non_finite;
-    uint padding0;
-    uint padding1;
 };
 
 layout(set = 3, binding = 0, std430) buffer PhotonGrid { GridState grid; };
 
+// A power of two, half the largest radius rounded up: dividing by it is exact, so that every kernel finds a photon in the
+// same cell whatever its compiler makes of the division.
 float cell_size() {
-    return max(uintBitsToFloat(grid.max_radius) / CELLS_PER_RADIUS, 1e-9);
+    uint half_radius = floatBitsToUint(max(0.5 * uintBitsToFloat(grid.max_radius), 1e-9));
+    return uintBitsToFloat((half_radius + 0x007fffffu) & 0x7f800000u);
 }
 
 ivec3 cell_of(vec3 position, float size) {
-    // Far outside the representable range photons share border cells; nothing is gathered there.
+    // Far outside the representable range photons share border cells, here as in the search.
     return ivec3(clamp(floor(position / size), vec3(-1e9), vec3(1e9)));
 }
 

@@ -20,6 +20,9 @@ layout(push_constant) uniform EmitPush {
     uint slots;
 } push;
 
+// Of the shading normal's cosine to the geometric one's: a bound for light that grazes a face.
+const float MAX_COSINE_RATIO = 8.0;
+
 // Photons that meet more specular surfaces are given up and counted.
 const uint MAX_EVENTS = 32u;
 
@@ -87,6 +90,10 @@ void main() {
                 book(NON_FINITE, vec3(push.ledger_unit));
             } else {
                 book(LANDED, flux);
+                // The estimate is flux over area, which carries the geometric cosine; irradiance, like direct light's,
+                // goes by the shading normal's.
+                float shading = dot(direction, s.shading) / dot(direction, s.geometric);
+                flux *= clamp(shading, 0.0, MAX_COSINE_RATIO);
                 photons[slot] = Photon(s.position, pack_direction(front ? s.shading : -s.shading), flux, 1u);
             }
             return;

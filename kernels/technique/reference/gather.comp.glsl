@@ -1,6 +1,7 @@
 // Gathers the pass's photons round each visible point and shrinks its radius (Hachisuka and Jensen 2009, Eqs. 2-5).
 // Sums are integers, so that equal photons give equal bits in whatever order they were sorted.
 #include "technique/reference/common.glsl"
+#include "shared/film.glsl"
 
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 2, binding = 3, std430) readonly buffer VisibleShades { VisibleShade visible_shades[]; };
@@ -72,7 +73,7 @@ void main() {
     VisibleShade shade = visible_shades[slot];
     vec3 radiance_flux = flux * shade.throughput * shade.albedo / PI;
     if (!all_finite(radiance_flux)) {
-        atomicAdd(grid.non_finite, 1u);
+        atomicAdd(counters.non_finite, 1u);
         return;
     }
     statistic.irradiance_flux = (statistic.irradiance_flux + flux) * shrink;

@@ -13,14 +13,17 @@ layout(push_constant) uniform PreparePush {
 void main() {
     uint slot = linear_index();
     if (slot >= view.width * view.rows * VISIBLE_LAYERS) return;
-    if (visible_points[slot].instance == NO_INSTANCE) return;
     float radius2 = statistics[slot].radius2;
-    if (radius2 == 0.0) {
+    if (radius2 == 0.0 && visible_points[slot].instance != NO_INSTANCE) {
         float radius = min(max(push.radius_pixels * visible_points[slot].footprint, push.least_radius), push.max_radius);
         // Photons that stay sorted from an earlier sample are in cells that fit the radii of then.
-        if (push.new_grid == 0u) radius = min(radius, max(uintBitsToFloat(grid.max_radius), 1e-6));
+        if (push.new_grid == 0u) radius = min(radius, uintBitsToFloat(grid.max_radius));
         radius2 = radius * radius;
         statistics[slot].radius2 = radius2;
     }
-    if (push.new_grid != 0u) atomicMax(grid.max_radius, floatBitsToUint(sqrt(radius2)));
+    if (push.new_grid == 0u) return;
+    // Every radius counts, also where nothing is seen in this sample: a later one may see a point while the photons stay
+    // sorted. So does the least first radius, for pixels that have none yet.
+    float radius = radius2 > 0.0 ? sqrt(radius2) : min(push.least_radius, push.max_radius);
+    atomicMax(grid.max_radius, floatBitsToUint(radius));
 }
