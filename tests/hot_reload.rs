@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     common::run(&[
         Case { name: "a_changed_kernel_is_run", needs: &[], disable: "", run: changed },
         Case { name: "a_changed_include_reaches_its_kernels", needs: &[], disable: "", run: included },
-        Case { name: "a_changed_raster_stage_is_run", needs: &[Capability::Graphics], disable: "", run: raster },
+        Case { name: "a_changed_raster_stage_is_run", needs: &[Capability::PreciseRaster], disable: "", run: raster },
         Case { name: "an_error_keeps_the_last_good_pipeline", needs: &[], disable: "", run: broken },
         Case { name: "a_changed_interface_is_refused", needs: &[], disable: "", run: misfit },
         Case { name: "a_folder_without_kernels_is_refused", needs: &[], disable: "", run: no_folder },

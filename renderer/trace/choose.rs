@@ -12,7 +12,7 @@ const RAYS: u32 = 1 << 15;
 
 /// How much faster than the wide BVH ray queries must be. Hardware that has them is faster by more; where the two are
 /// close, noise must not decide, since equal seeds give equal bits only on one back-end.
-const MARGIN: f64 = 1.5;
+pub const MARGIN: f64 = 1.5;
 
 /// Rounds after the first, which compiles and warms up; the fastest counts.
 const ROUNDS: u32 = 3;

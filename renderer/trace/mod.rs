@@ -15,7 +15,7 @@ mod tracer;
 mod tree;
 mod wide;
 
-pub use choose::{Choice, Measurement, TraceChoice, choose};
+pub use choose::{Choice, MARGIN, Measurement, TraceChoice, choose};
 pub use error::TraceError;
 pub use probe::{Probe, ProbeHit, Ray};
 pub use structure::AccelerationStructure;
