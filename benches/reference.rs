@@ -62,7 +62,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         }));
         before = Some(metrics.rel_rmse);
     }
-    report::write("reference", &renderer.device().info, serde_json::json!({ "tier": renderer.tier(), "rows": rows }))
+    let info = &renderer.device().info;
+    let results = serde_json::json!({
+        "device": info.name,
+        "driver": format!("{} {}", info.driver, info.driver_version),
+        "tier": renderer.tier(),
+        "rows": rows,
+    });
+    report::write("reference", results)
 }
 
 fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {

@@ -1,7 +1,9 @@
 //! Speed of every tracing back-end on every device: 960 x 720 primary and shadow rays at a water surface of 131,072
 //! triangles. `cargo bench --bench trace`; the table also goes to `target/bench/trace.json`.
 
-use std::path::Path;
+#[path = "report/mod.rs"]
+mod report;
+
 use std::time::Instant;
 
 use glam::{Affine3A, Vec3};
@@ -9,6 +11,7 @@ use nephroid::gpu::{Device, DeviceRequest};
 use nephroid::gpu_scene::GpuScene;
 use nephroid::scene::height_field::{HeightField, Wave};
 use nephroid::scene::{FilmSettings, Instance, Material, Scene, Surface, ToneCurve};
+use nephroid::stats::cpu_seconds;
 use nephroid::trace::{Backend, NO_INSTANCE, Probe, ProbeHit, Ray, Tracer};
 
 const WIDTH: u32 = 960;
@@ -16,7 +19,7 @@ const HEIGHT: u32 = 720;
 const QUADS: u32 = 256;
 const ANY_MASK: u32 = 0xff;
 
-/// CPU seconds per measurement at least: the process's clock ticks 100 times a second.
+/// CPU seconds per measurement at least, far above the noise of starting one.
 const LEAST_CPU_SECONDS: f64 = 1.0;
 
 /// Runs per measurement at most, for devices that use little of the CPU.
@@ -39,7 +42,6 @@ struct Row {
 
 #[derive(serde::Serialize)]
 struct Report {
-    commit: String,
     triangles: usize,
     rays: usize,
     rows: Vec<Row>,
@@ -52,8 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let scene = water();
     let primary = primary_rays();
-    let mut report =
-        Report { commit: commit(), triangles: scene.meshes[0].triangles.len(), rays: primary.len(), rows: Vec::new() };
+    let mut report = Report { triangles: scene.meshes[0].triangles.len(), rays: primary.len(), rows: Vec::new() };
     println!(
         "{:<44} {:<10} {:>9} {:>9} {:>18} {:>18}",
         "device", "back-end", "build ms", "MiB", "primary M/CPU-s", "shadow M/CPU-s"
@@ -75,12 +76,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             report.rows.push(row);
         }
     }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench");
-    std::fs::create_dir_all(&folder)?;
-    let temporary = folder.join("trace.json.tmp");
-    std::fs::write(&temporary, serde_json::to_string_pretty(&report)?)?;
-    std::fs::rename(temporary, folder.join("trace.json"))?;
-    Ok(())
+    report::write("trace", serde_json::to_value(report)?)
 }
 
 fn measure(
@@ -119,29 +115,14 @@ fn speed(
 ) -> Result<(f64, f64), Box<dyn std::error::Error>> {
     // The first run compiles.
     probe.run(tracer, scene, ANY_MASK, any_hit)?;
-    let (cpu, wall) = (cpu_seconds()?, Instant::now());
+    let (cpu, wall) = (cpu_seconds(), Instant::now());
     let mut runs = 0;
-    while runs < MOST_RUNS && cpu_seconds()? - cpu < LEAST_CPU_SECONDS {
+    while runs < MOST_RUNS && cpu_seconds() - cpu < LEAST_CPU_SECONDS {
         probe.run(tracer, scene, ANY_MASK, any_hit)?;
         runs += 1;
     }
     let traced = rays as f64 * f64::from(runs) * 1e-6;
-    Ok((traced / (cpu_seconds()? - cpu).max(1e-2), traced / wall.elapsed().as_secs_f64()))
-}
-
-/// User and system time of all threads of this process.
-fn cpu_seconds() -> Result<f64, Box<dyn std::error::Error>> {
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat")?;
-    // The name in brackets may hold spaces.
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
-    let ticks = |index: usize| -> Result<f64, Box<dyn std::error::Error>> { Ok(fields[index].parse::<f64>()?) };
-    Ok((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)
-}
-
-fn commit() -> String {
-    let git = std::process::Command::new("git").args(["rev-parse", "HEAD"]).output();
-    git.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string()).unwrap_or_default()
+    Ok((traced / (cpu_seconds() - cpu).max(1e-2), traced / wall.elapsed().as_secs_f64()))
 }
 
 fn water() -> Scene {

@@ -2,7 +2,7 @@
 //! comes after, and `film` composes.
 
 use crate::film::Film;
-use crate::gpu::{Binding, Bindings, Buffer, Capability, Device, GpuError, Kernel, Raster, RasterTargets, Recorder};
+use crate::gpu::{Bindings, Buffer, Capability, Device, GpuError, Kernel, Raster, RasterTargets, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::random;
 use crate::trace::Tracer;
@@ -143,13 +143,5 @@ impl Frame {
         recorder.pass("frame/walk")?.dispatch(&self.walk, &bindings, &sample, self.slots())?;
         recorder.pass("frame/direct")?.dispatch(&self.direct, &bindings, &(), self.slots())?;
         Ok(())
-    }
-
-    /// The visible points of the last sample, both layers.
-    pub fn visible_points(&self) -> Result<Vec<VisiblePoint>, GpuError> {
-        match self.bindings.get("VisiblePoints") {
-            Some(Binding::Buffer(buffer)) => buffer.read(self.slots() as usize),
-            _ => Ok(Vec::new()),
-        }
     }
 }

@@ -5,11 +5,11 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
-use common::{Case, Request, assert_valid};
+use common::{Case, Request, assert_valid, layer};
 use nephroid::gpu::{Bindings, Buffer, Capability, Kernel, Recorder};
 use nephroid::image::LayeredImage;
 use nephroid::random;
-use nephroid::render::{RenderSettings, Renderer};
+use nephroid::render::RenderSettings;
 use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
 
@@ -44,26 +44,14 @@ fn parse(text: &str) -> Scene {
     scene::parse(text, Path::new("test.toml")).unwrap()
 }
 
+/// Without a technique and with few samples, unless `change` says otherwise.
 fn render(request: &Request, scene: Scene, change: impl FnOnce(&mut RenderSettings)) -> LayeredImage {
-    let mut settings = RenderSettings {
-        device: request.device.clone(),
-        trace: "bvh".parse().unwrap(),
-        technique: TechniqueKind::None,
-        samples: Some(4),
-        ..Default::default()
-    };
-    change(&mut settings);
-    let mut renderer = Renderer::new(scene, &settings).unwrap();
-    for _ in 0..renderer.samples() {
-        renderer.sample().unwrap();
-    }
-    let picture = renderer.finish().unwrap();
-    assert_valid(renderer.device());
+    let picture = request.render(scene, |settings| {
+        settings.technique = TechniqueKind::None;
+        settings.samples = Some(4);
+        change(settings);
+    });
     picture.image
-}
-
-fn layer(image: &LayeredImage, name: &str) -> Vec<[f32; 3]> {
-    image.layer(name).unwrap().to_rgb().unwrap().pixels
 }
 
 /// RMS difference over the RMS of `truth`.

@@ -5,11 +5,10 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
-use common::{Case, Request, assert_valid};
-use nephroid::image::{self, LayeredImage};
-use nephroid::render::{Picture, RenderSettings, Renderer};
+use common::{Case, Request, layer};
+use nephroid::image;
+use nephroid::render::Picture;
 use nephroid::scene::{self, Scene};
-use nephroid::technique::TechniqueKind;
 
 fn main() -> ExitCode {
     common::run(&[
@@ -25,27 +24,6 @@ fn main() -> ExitCode {
 
 fn load(name: &str) -> Scene {
     scene::load(&Path::new("scenes").join(name)).unwrap()
-}
-
-fn render(request: &Request, scene: Scene, change: impl FnOnce(&mut RenderSettings)) -> Picture {
-    let mut settings = RenderSettings {
-        device: request.device.clone(),
-        trace: "bvh".parse().unwrap(),
-        technique: TechniqueKind::Reference,
-        ..Default::default()
-    };
-    change(&mut settings);
-    let mut renderer = Renderer::new(scene, &settings).unwrap();
-    for _ in 0..renderer.samples() {
-        renderer.sample().unwrap();
-    }
-    let picture = renderer.finish().unwrap();
-    assert_valid(renderer.device());
-    picture
-}
-
-fn layer(image: &LayeredImage, name: &str) -> Vec<[f32; 3]> {
-    image.layer(name).unwrap().to_rgb().unwrap().pixels
 }
 
 /// Irradiance on the floor of `flat_water.toml` at (x, z), W/m2: what a ring of directions carries, over the ring it
@@ -93,7 +71,7 @@ fn flat_water(request: &Request) {
         assert!((flat_water_irradiance(x, z) / expected - 1.0).abs() < 1e-7);
     }
     let (width, height) = (48usize, 36usize);
-    let picture = render(request, load("flat_water.toml"), |s| {
+    let picture = request.render(load("flat_water.toml"), |s| {
         s.size = Some((width as u32, height as u32));
         s.samples = Some(16);
         // The light is smooth: a third of a metre holds a thousand photons and blurs nothing.
@@ -128,7 +106,7 @@ fn waves(request: &Request) {
     let truth = image::read(Path::new("tests/truth/pool_under_120x90.exr")).unwrap();
     let expected = layer(&truth, "final");
     let mask = truth.layer("mask").unwrap().channels[0].samples.clone();
-    let picture = render(request, load("pool.toml"), |s| {
+    let picture = request.render(load("pool.toml"), |s| {
         s.camera = Some("under".to_string());
         s.size = Some((120, 90));
         s.samples = Some(64);
@@ -156,7 +134,7 @@ fn watts(picture: &Picture, name: &str) -> f64 {
 
 /// A small render of which only the ledger is of interest.
 fn ledger_of(request: &Request, scene: &str, set: &[&str]) -> Picture {
-    render(request, load(scene), |s| {
+    request.render(load(scene), |s| {
         s.size = Some((8, 6));
         s.samples = Some(2);
         s.set = set.iter().map(|s| s.to_string()).collect();
@@ -205,7 +183,7 @@ fn fresnel(request: &Request) {
 
 fn tiers(request: &Request) {
     let picture = |disable: &str, trace: &str| {
-        let picture = render(request, load("pool.toml"), |s| {
+        let picture = request.render(load("pool.toml"), |s| {
             s.device = request.without(disable);
             s.trace = trace.parse().unwrap();
             s.camera = Some("under".to_string());
@@ -266,7 +244,7 @@ direction = [0, -1, 0]
 irradiance = [1, 2, 3]
 "#;
     let scene = scene::parse(text, Path::new("test.toml")).unwrap();
-    let picture = render(request, scene, |s| {
+    let picture = request.render(scene, |s| {
         s.size = Some((16, 12));
         s.samples = Some(8);
         s.set = vec!["reference.photons=100000".to_string()];

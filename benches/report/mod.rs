@@ -1,16 +1,12 @@
-//! What every benchmark writes beside its table: JSON with device, driver and commit.
+//! What every benchmark writes beside its table: JSON with the commit; devices and drivers are in the results.
 
 use std::error::Error;
 use std::path::Path;
 
-use nephroid::gpu::DeviceInfo;
-
 /// Writes `target/bench/<name>.json`.
-pub fn write(name: &str, device: &DeviceInfo, results: serde_json::Value) -> Result<(), Box<dyn Error>> {
+pub fn write(name: &str, results: serde_json::Value) -> Result<(), Box<dyn Error>> {
     let report = serde_json::json!({
         "commit": commit(),
-        "device": device.name,
-        "driver": format!("{} {}", device.driver, device.driver_version),
         "results": results,
     });
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench");

@@ -7,6 +7,9 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use nephroid::gpu::{Capabilities, Capability, Device, DeviceInfo, DeviceRequest};
+use nephroid::image::LayeredImage;
+use nephroid::render::{Picture, RenderSettings, Renderer};
+use nephroid::scene::Scene;
 
 /// A check that runs once a device.
 pub struct Case {
@@ -30,6 +33,21 @@ impl Request {
         Device::open(&self.device).unwrap()
     }
 
+    /// Renders every sample of `scene` on the device, by the BVH unless `change` says otherwise, and asks for silence of
+    /// the validation layers.
+    pub fn render(&self, scene: Scene, change: impl FnOnce(&mut RenderSettings)) -> Picture {
+        let mut settings =
+            RenderSettings { device: self.device.clone(), trace: "bvh".parse().unwrap(), ..Default::default() };
+        change(&mut settings);
+        let mut renderer = Renderer::new(scene, &settings).unwrap();
+        for _ in 0..renderer.samples() {
+            renderer.sample().unwrap();
+        }
+        let picture = renderer.finish().unwrap();
+        assert_valid(renderer.device());
+        picture
+    }
+
     /// The same device with more disabled.
     pub fn without(&self, disable: &str) -> DeviceRequest {
         DeviceRequest { disable: Capabilities::parse(disable).unwrap(), ..self.device.clone() }
@@ -40,6 +58,11 @@ impl Request {
 pub fn assert_valid(device: &Device) {
     let messages = device.validation_messages();
     assert!(messages.is_empty(), "{} validation messages, first: {}", messages.len(), messages[0]);
+}
+
+/// The pixels of a layer that has three channels.
+pub fn layer(image: &LayeredImage, name: &str) -> Vec<[f32; 3]> {
+    image.layer(name).unwrap().to_rgb().unwrap().pixels
 }
 
 /// Runs the cases on all devices: the `main` of a device test.
