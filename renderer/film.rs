@@ -31,6 +31,7 @@ pub struct Film {
     normal: Buffer,
     caustic: Buffer,
     irradiance: Buffer,
+    sample_irradiance: Buffer,
     counters: Buffer,
 }
 
@@ -44,10 +45,11 @@ impl Film {
         let normal = buffer("film normal", 1)?;
         let caustic = buffer("film caustic", VISIBLE_LAYERS)?;
         let irradiance = buffer("film irradiance", 1)?;
+        let sample_irradiance = buffer("sample irradiance", VISIBLE_LAYERS)?;
         let counters = Buffer::new(device, "film counters", 16)?;
         let mut recorder = Recorder::new(device)?;
         let mut pass = recorder.pass("film/clear")?;
-        for buffer in [&direct, &albedo, &normal, &caustic, &irradiance, &counters] {
+        for buffer in [&direct, &albedo, &normal, &caustic, &irradiance, &sample_irradiance, &counters] {
             pass.fill(buffer, 0);
         }
         drop(pass);
@@ -58,13 +60,31 @@ impl Film {
             .buffer("FilmNormal", &normal)
             .buffer("FilmCaustic", &caustic)
             .buffer("FilmIrradiance", &irradiance)
+            .buffer("SampleIrradiance", &sample_irradiance)
             .buffer("Counters", &counters);
-        Ok(Film { bindings, width, rows: band.count, direct, albedo, normal, caustic, irradiance, counters })
+        Ok(Film {
+            bindings,
+            width,
+            rows: band.count,
+            direct,
+            albedo,
+            normal,
+            caustic,
+            irradiance,
+            sample_irradiance,
+            counters,
+        })
     }
 
     /// Pixels of the band.
     pub fn pixels(&self) -> u32 {
         self.width * self.rows
+    }
+
+    /// Where a per-sample technique leaves the caustic irradiance at this sample's visible points: a vec4 a slot, rgb in
+    /// W/m2; the block `SampleIrradiance`. Slots without a point are not read.
+    pub fn sample_irradiance(&self) -> &Buffer {
+        &self.sample_irradiance
     }
 
     /// The band's layers after `samples` samples: means over the samples.

@@ -63,6 +63,7 @@ pub struct Frame {
     primary_ids: Buffer,
     walk: Kernel,
     direct: Kernel,
+    accumulate: Kernel,
     draws: Vec<(u32, u32)>,
     seed: u32,
 }
@@ -101,6 +102,7 @@ impl Frame {
             primary_ids,
             walk: Kernel::new(device, "frame/walk", variant)?,
             direct: Kernel::new(device, "frame/direct", variant)?,
+            accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
         })
@@ -142,6 +144,15 @@ impl Frame {
         }
         recorder.pass("frame/walk")?.dispatch(&self.walk, &bindings, &sample, self.slots())?;
         recorder.pass("frame/direct")?.dispatch(&self.direct, &bindings, &(), self.slots())?;
+        Ok(())
+    }
+    /// Records how sample `index` of a per-sample technique enters the film: the technique has filled the block
+    /// `SampleIrradiance` for every slot that has a visible point. Afterwards the film's caustic layers are the means of
+    /// the samples up to this one; odd samples are the half that is kept apart.
+    pub fn record_caustic(&self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
+        let sample = Sample { jitter: [0.0; 2], index, padding0: 0 };
+        let bindings = [&self.bindings];
+        recorder.pass("frame/accumulate")?.dispatch(&self.accumulate, &bindings, &sample, self.slots())?;
         Ok(())
     }
 }

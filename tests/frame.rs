@@ -6,12 +6,17 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid, layer};
+use nephroid::film;
+use nephroid::frame::Frame;
 use nephroid::gpu::{Bindings, Buffer, Capability, Kernel, Recorder};
+use nephroid::gpu_scene::GpuScene;
 use nephroid::image::LayeredImage;
 use nephroid::random;
 use nephroid::render::RenderSettings;
 use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
+use nephroid::trace::{self, TraceChoice};
+use nephroid::view::{Band, View};
 
 /// Rounding of f32 over a path of a few surfaces; a wrong cosine or factor is far above it.
 const CLOSED_FORM: f32 = 1e-4;
@@ -35,6 +40,7 @@ fn main() -> ExitCode {
         },
         Case { name: "back_ends_give_the_same_picture", needs: &[], disable: "", run: back_ends },
         Case { name: "devices_give_the_same_picture", needs: &[], disable: "", run: devices },
+        Case { name: "caustic_samples_make_a_mean", needs: &[], disable: "", run: caustic_mean },
         Case { name: "random_numbers_are_the_hosts", needs: &[], disable: "", run: random_numbers },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: equal_bits },
     ])
@@ -311,6 +317,40 @@ fn devices(request: &Request) {
         let here = pool(request, camera, "graphics", "cwbvh");
         assert_same_layers(&here, &pool(&first, camera, "graphics", "cwbvh"), &format!("device 0, {camera}"));
     }
+}
+
+fn caustic_mean(request: &Request) {
+    // Four samples of a constant irradiance, the third not a number: the mean of 1, 2, 0 and 4.
+    let found = [1.0f32, 2.0, f32::NAN, 4.0];
+    let mean = found.iter().filter(|e| e.is_finite()).sum::<f32>() / 4.0;
+    let scene = parse(FLOOR);
+    let device = request.open();
+    let gpu_scene = GpuScene::new(&device, &scene).unwrap();
+    let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
+    let band = Band { first: 0, count: 3 };
+    let view = View::new(&scene.cameras[0], &scene.film, (4, 3), band);
+    let frame = Frame::new(&device, &gpu_scene, &tracer, &view).unwrap();
+    for (index, value) in (0u32..).zip(found) {
+        let mut recorder = Recorder::new(&device).unwrap();
+        frame.record(&mut recorder, index).unwrap();
+        recorder.pass("test/irradiance").unwrap().fill(frame.film.sample_irradiance(), value.to_bits());
+        frame.record_caustic(&mut recorder, index).unwrap();
+        recorder.submit().unwrap();
+    }
+    let image = film::assemble(4, 3, &[frame.film.read(4).unwrap()]);
+    // No lights: radiance is the caustic's alone, and only the first layer has points.
+    for (layer_name, expected) in
+        [("caustic", mean), ("refracted", mean * 0.5 / std::f32::consts::PI), ("reflected", 0.0)]
+    {
+        for value in layer(&image, layer_name).into_iter().flatten() {
+            assert!((value - expected).abs() <= CLOSED_FORM * expected, "{layer_name}: {value} instead of {expected}");
+        }
+    }
+    assert_eq!(frame.film.counters().unwrap().non_finite, 12, "one a pixel, in the layer that has points");
+    // Odd samples: 2 and 4, mean 3; even: 1 and 0, mean 1/2. Half their difference over the mean of all.
+    let noise = frame.film.noise(4, 2).unwrap().unwrap();
+    assert!((noise - (3.0 - 0.5) / 2.0 / mean).abs() < CLOSED_FORM, "{noise}");
+    assert_valid(&device);
 }
 
 fn random_numbers(request: &Request) {
