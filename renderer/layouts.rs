@@ -21,6 +21,7 @@ pub fn layouts() -> Vec<Layout> {
         technique::emission::EmissionCell::LAYOUT,
     ];
     all.extend(technique::reference::LAYOUTS);
+    all.extend(technique::mnee::layouts());
     all.extend(trace::LAYOUTS);
     all
 }

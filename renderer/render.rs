@@ -9,7 +9,7 @@ use crate::gpu_scene::GpuScene;
 use crate::image::{LayeredImage, RenderInfo};
 use crate::scene::{Camera, Scene};
 use crate::stats::{self, PassTotal, Stats};
-use crate::technique::{self, Context, LedgerEntry, Settings, Technique, TechniqueError, TechniqueKind};
+use crate::technique::{self, Context, CounterEntry, LedgerEntry, Settings, Technique, TechniqueError, TechniqueKind};
 use crate::trace::{self, TraceChoice, TraceError, Tracer};
 use crate::view::{Band, View};
 
@@ -248,6 +248,7 @@ impl Renderer {
             wall_seconds: self.started.elapsed().as_secs_f64(),
             peak_memory_bytes: self.device.peak_memory(),
             ledger: self.ledger()?,
+            counters: self.counters()?,
             noise: self.noise()?,
             warnings: self.warnings()?,
         })
@@ -257,6 +258,14 @@ impl Renderer {
     fn ledger(&self) -> Result<Vec<LedgerEntry>, GpuError> {
         match self.bands.first().and_then(|band| band.technique.as_ref()) {
             Some(technique) => technique.ledger(self.done),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// The first band's: others differ in number only, and means and maxima cannot be added.
+    fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
+        match self.bands.first().and_then(|band| band.technique.as_ref()) {
+            Some(technique) => technique.counters(),
             None => Ok(Vec::new()),
         }
     }

@@ -1,7 +1,7 @@
 //! What `--stats` writes: what was used, what it took, and where the light went.
 
 use crate::gpu::{Capabilities, PassTime};
-use crate::technique::LedgerEntry;
+use crate::technique::{CounterEntry, LedgerEntry};
 
 /// A render's report.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -37,6 +37,8 @@ pub struct Stats {
     pub peak_memory_bytes: u64,
     /// W, averaged over the samples.
     pub ledger: Vec<LedgerEntry>,
+    /// What the technique counted in the first band of rows.
+    pub counters: Vec<CounterEntry>,
     /// Estimated relative noise of the caustic irradiance, where the technique estimates it.
     pub noise: Option<f32>,
     pub warnings: Vec<String>,

@@ -1,6 +1,7 @@
 //! Techniques: each adds caustic light to the film, nothing else.
 
 pub mod emission;
+pub mod mnee;
 pub mod reference;
 mod settings;
 
@@ -19,16 +20,19 @@ pub enum TechniqueKind {
     /// Stochastic progressive photon mapping: what the others are held against.
     #[default]
     Reference,
+    /// Manifold next-event estimation along the coplanarity curve: light refracted once, without noise.
+    Mnee,
 }
 
 impl TechniqueKind {
-    pub const ALL: &'static [TechniqueKind] = &[TechniqueKind::None, TechniqueKind::Reference];
+    pub const ALL: &'static [TechniqueKind] = &[TechniqueKind::None, TechniqueKind::Reference, TechniqueKind::Mnee];
 
     /// The name of the Rust file, the kernel folder, the command-line value and the GPU label.
     pub fn name(self) -> &'static str {
         match self {
             TechniqueKind::None => "none",
             TechniqueKind::Reference => "reference",
+            TechniqueKind::Mnee => "mnee",
         }
     }
 
@@ -44,6 +48,7 @@ impl TechniqueKind {
         match self {
             TechniqueKind::None => &[],
             TechniqueKind::Reference => reference::SETTINGS,
+            TechniqueKind::Mnee => mnee::SETTINGS,
         }
     }
 }
@@ -79,6 +84,13 @@ pub struct LedgerEntry {
     pub watts: f64,
 }
 
+/// How often something happened, or a mean of such numbers.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CounterEntry {
+    pub name: &'static str,
+    pub value: f64,
+}
+
 /// Adds caustic light to a frame's film.
 pub trait Technique {
     /// Records what belongs to sample `index`, after the frame's own passes: afterwards the film's caustic layers
@@ -87,6 +99,11 @@ pub trait Technique {
 
     /// Where the light went so far; `emitted` first, then what it divides into. W, averaged over the samples.
     fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError>;
+
+    /// What the technique counted, over all samples so far.
+    fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
+        Ok(Vec::new())
+    }
 
     /// How many of the first `samples` samples belong to the half that the film's irradiance keeps apart, for an
     /// estimate of the noise. `None` where it keeps none.
@@ -109,5 +126,6 @@ pub fn create(
     match kind {
         TechniqueKind::None => Ok(None),
         TechniqueKind::Reference => Ok(Some(Box::new(reference::Reference::new(settings, context)?))),
+        TechniqueKind::Mnee => Ok(Some(Box::new(mnee::Mnee::new(settings, context)?))),
     }
 }

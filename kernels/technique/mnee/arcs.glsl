@@ -1,0 +1,142 @@
+// The pieces of the coplanarity curve in one triangle: where they cross its boundary, which crossings belong to one piece,
+// and points between.
+#include "technique/mnee/facet.glsl"
+
+// A crossing at a corner would belong to either of two edges; it stays this far from the edge's end, in parts of the edge.
+const float LAST_PLACE = 0.999999;
+
+// Places on the boundary where the constraint vanishes, in order round it.
+struct Crossings {
+    uint count; // even
+    float place[6];
+};
+
+// The zeros in [0, 1] of a (1-t)^2 + 2 b t (1-t) + c t^2; with s = t / (1-t) they are those of c s^2 + 2 b s + a. Zero
+// counts as positive at a corner, in every triangle that has the corner, so that no curve ends there.
+uint edge_zeros(float a, float b, float c, out vec2 t) {
+    t = vec2(0.0);
+    bool changes = (a < 0.0) != (c < 0.0);
+    if (c < 0.0) {
+        a = -a;
+        b = -b;
+        c = -c;
+    }
+    float discriminant = b * b - a * c;
+    if (changes) {
+        float root = sqrt(max(discriminant, 0.0));
+        float above = b > 0.0 ? -a : root - b;
+        float below = b > 0.0 ? b + root : c;
+        t.x = above / max(above + below, 1e-37);
+        return 1u;
+    }
+    if (b >= 0.0 || discriminant <= 0.0) return 0u;
+    float larger = sqrt(discriminant) - b;
+    t = vec2(a / (a + larger), larger / (larger + c));
+    return 2u;
+}
+
+Crossings crossings_of(Facet facet) {
+    Crossings result;
+    result.count = 0u;
+    for (uint i = 0u; i < 3u; i++) {
+        vec2 t;
+        uint zeros = edge_zeros(facet.corner[i], facet.edge[i], facet.corner[i == 2u ? 0u : i + 1u], t);
+        t = clamp(t, 0.0, LAST_PLACE);
+        if (zeros > 0u) result.place[result.count++] = float(i) + t.x;
+        if (zeros > 1u) result.place[result.count++] = float(i) + t.y;
+    }
+    return result;
+}
+
+// The middle of the boundary from place `from` on to the next crossing.
+vec3 middle_of_interval(float from, float to) {
+    float place = from + 0.5 * (to > from ? to - from : to - from + 3.0);
+    return weights(boundary_barycentrics(place < 3.0 ? place : place - 3.0));
+}
+
+// Whether the constraint keeps its sign on the segment between two weights where it has one sign. Both lie in one of its
+// convex regions then, if that sign is the convex regions' sign.
+bool same_region(Facet facet, vec3 u, vec3 v) {
+    vec2 t;
+    float a = constraint(facet, u);
+    float b = dot(u, form(facet, v));
+    float c = constraint(facet, v);
+    return (a < 0.0) == (c < 0.0) && edge_zeros(a, b, c, t) == 0u;
+}
+
+// The crossing at the other end of the piece that has crossing `entry`.
+//
+// With more than two crossings the pieces have to be told apart. Where a conic is not degenerate, the sign of its
+// determinant is the constraint's sign in its convex regions (inside an ellipse, inside the branches of a hyperbola). Two
+// intervals of the boundary with that sign belong to one convex region exactly if the segment between them does not
+// leave it; a piece runs from one interval of its region to the region's next.
+uint partner(Facet facet, Crossings crossings, uint entry) {
+    uint count = crossings.count;
+    if (count == 2u) return 1u - entry;
+    mat3 q = mat3(
+        facet.corner[0], facet.edge[0], facet.edge[2],
+        facet.edge[0], facet.corner[1], facet.edge[1],
+        facet.edge[2], facet.edge[1], facet.corner[2]);
+    bool convex_negative = determinant(q) < 0.0;
+    uint next = entry + 1u == count ? 0u : entry + 1u;
+    vec3 after = middle_of_interval(crossings.place[entry], crossings.place[next]);
+    // Interval i runs from crossing i to the next. Away from the convex interval that `entry` bounds, step by step.
+    bool own_after = (constraint(facet, after) < 0.0) == convex_negative;
+    uint before = entry == 0u ? count - 1u : entry - 1u;
+    vec3 own = own_after ? after : middle_of_interval(crossings.place[before], crossings.place[entry]);
+    for (uint step = 1u; step < count; step += 2u) {
+        // The crossing at the near end of the next convex interval, and the one at its far end.
+        uint near_end = own_after ? (entry + count - step) % count : (entry + step) % count;
+        uint far_end = own_after ? (near_end + count - 1u) % count : (near_end + 1u) % count;
+        uint first = own_after ? far_end : near_end;
+        uint second = own_after ? near_end : far_end;
+        vec3 other = middle_of_interval(crossings.place[first], crossings.place[second]);
+        if (step + 1u < count && same_region(facet, own, other)) return near_end;
+    }
+    // No other interval is in the region: the piece cuts off its own interval.
+    return own_after ? next : before;
+}
+
+// A piece of the curve, from one of its points to another.
+struct Arc {
+    vec2 from; // barycentrics
+    vec2 to;
+    bool round; // a whole ellipse inside the triangle, from `from` back to it
+};
+
+// The zero nearest to s = 0 of c0 + c1 s + c2 s^2, with the nearest approach where there is none.
+float nearest_zero(float c0, float c1, float c2) {
+    float root = sqrt(max(c1 * c1 - 4.0 * c0 * c2, 0.0));
+    float q = c1 < 0.0 ? c1 - root : c1 + root;
+    return abs(q) > 1e-37 ? -2.0 * c0 / q : 0.0;
+}
+
+// Barycentrics of the arc's point at `part` in [0, 1]: above the chord's point, at right angles to the chord in the plane
+// of barycentrics. A conic's arc is convex, so each such line meets it once.
+vec2 arc_point(Facet facet, Arc arc, float part) {
+    if (arc.round) {
+        // The centre is where the gradient vanishes.
+        vec2 alpha = vec2(facet.corner[0] - 2.0 * facet.edge[0] + facet.corner[1],
+                          facet.corner[0] - facet.edge[0] - facet.edge[2] + facet.edge[1]);
+        vec2 beta = vec2(alpha.y, facet.corner[0] - 2.0 * facet.edge[2] + facet.corner[2]);
+        vec2 gradient = vec2(facet.edge[0] - facet.corner[0], facet.edge[2] - facet.corner[0]);
+        float determinant = alpha.x * beta.y - alpha.y * beta.x;
+        vec2 centre = vec2(beta.x * gradient.y - beta.y * gradient.x, alpha.y * gradient.x - alpha.x * gradient.y);
+        centre /= abs(determinant) > 1e-37 ? determinant : 1e-37;
+        vec2 spoke = arc.from - centre;
+        float angle = 2.0 * PI * part;
+        vec2 turned = vec2(cos(angle) * spoke.x - sin(angle) * spoke.y, sin(angle) * spoke.x + cos(angle) * spoke.y);
+        float level = constraint(facet, weights(centre));
+        float curvature = alpha.x * turned.x * turned.x + 2.0 * alpha.y * turned.x * turned.y + beta.y * turned.y * turned.y;
+        float scale2 = abs(curvature) > 1e-37 ? -level / curvature : 1.0;
+        return centre + turned * sqrt(max(scale2, 0.0));
+    }
+    vec2 chord = arc.to - arc.from;
+    vec2 across = vec2(-chord.y, chord.x);
+    vec3 base = weights(arc.from + part * chord);
+    vec3 step = vec3(-across.x - across.y, across);
+    vec3 gradient = form(facet, step);
+    float s = nearest_zero(constraint(facet, base), 2.0 * dot(base, gradient), dot(step, gradient));
+    // An arc that turns by less than half a turn stays within half a chord of the chord.
+    return arc.from + part * chord + across * clamp(s, -1.0, 1.0);
+}

@@ -1,0 +1,221 @@
+//! Manifold next-event estimation along the coplanarity curve (Granizo-Hidalgo and Holzschuch 2024): every path from a
+//! visible point through one refracting surface to a light, found by walking a curve on the surface.
+
+mod counters;
+mod surface;
+
+use super::{Context, CounterEntry, LedgerEntry, Setting, SettingKind, Settings, Technique};
+use crate::frame::Frame;
+use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use surface::SpecularSurface;
+
+pub const SETTINGS: &[Setting] = &[Setting {
+    key: "solutions",
+    kind: SettingKind::Choice(&["all", "one"]),
+    default: "all",
+    unit: "",
+    help: "Every path from a point to a light, or the first along the walk, as the paper has it",
+}];
+
+/// Pixel layers that are worked on together: bounds the memory for walks and arcs.
+const CHUNK: u32 = 1 << 17;
+/// Walks a chunk has room for: two a start, and some points have several starts.
+const WALK_CAPACITY: u32 = 3 * CHUNK;
+/// Triangles that a walk may cross in each round. Few at first, since most walks are short; no walk goes beyond the sum.
+const ROUND_STEPS: [u32; 9] = [12, 12, 24, 48, 96, 192, 384, 768, 1536];
+/// Arcs a pixel layer keeps, as in `walks.glsl`.
+const MAX_BRACKETS: u64 = 16;
+
+crate::gpu_struct! {
+    /// One direction of a walk; see `kernels/technique/mnee/walks.glsl`.
+    pub struct Walk {
+        pub plane: [f32; 3],
+        pub objective: f32,
+        pub at: [f32; 3],
+        pub tilt: f32,
+        pub normal: [f32; 3],
+        pub place: f32,
+        pub triangle: u32,
+        pub item: u32,
+        pub start: u32,
+        pub steps: u32,
+    }
+}
+
+crate::gpu_struct! {
+    /// A piece of the curve on which a path may be.
+    pub struct Bracket {
+        pub from: [f32; 2],
+        pub to: [f32; 2],
+        pub triangle: u32,
+        pub steps: u32,
+    }
+}
+
+crate::gpu_struct! {
+    /// Arguments of an indirect dispatch over a round's walks.
+    pub struct Round {
+        pub groups_x: u32,
+        pub groups_y: u32,
+        pub groups_z: u32,
+        pub walks: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct StartPush {
+        pub first_slot: u32,
+        pub items: u32,
+        pub light: u32,
+        pub capacity: u32,
+        pub walk: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct WalkPush {
+        pub first_slot: u32,
+        pub light: u32,
+        pub capacity: u32,
+        pub round: u32,
+        pub max_steps: u32,
+        pub last: u32,
+        pub one: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct SolvePush {
+        pub first_slot: u32,
+        pub items: u32,
+        pub light: u32,
+        pub one: u32,
+    }
+}
+
+const OWN_LAYOUTS: &[Layout] =
+    &[Walk::LAYOUT, Bracket::LAYOUT, Round::LAYOUT, StartPush::LAYOUT, WalkPush::LAYOUT, SolvePush::LAYOUT];
+
+/// What the technique shares with its kernels.
+pub fn layouts() -> impl Iterator<Item = Layout> {
+    OWN_LAYOUTS.iter().chain(surface::LAYOUTS).copied()
+}
+
+struct Kernels {
+    start: Kernel,
+    walk: Kernel,
+    solve: Kernel,
+}
+
+/// The technique's state for one band.
+pub struct Mnee {
+    kernels: Kernels,
+    surface: SpecularSurface,
+    bindings: Bindings,
+    rounds: Buffer,
+    counters: Buffer,
+    lights: u32,
+    one: bool,
+    chunk: u32,
+    surface_is_current: bool,
+}
+
+impl Mnee {
+    pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
+        let device = context.device;
+        let surface = SpecularSurface::new(device, context.scene)?;
+        let chunk = CHUNK.min(context.frame.slots());
+        let buffer = |name: &str, items: u64, bytes: usize| Buffer::new(device, name, items * bytes as u64);
+        let rounds = buffer("mnee rounds", ROUND_STEPS.len() as u64 + 1, size_of::<Round>())?;
+        let counters = Buffer::zeroed(device, "mnee counters", 4 * counters::WORDS as u64)?;
+        let walks = u64::from(WALK_CAPACITY);
+        let bindings = Bindings::new()
+            .and(&surface.bindings)
+            .buffer("Walks", &buffer("mnee walks", walks, size_of::<Walk>())?)
+            .buffer("Rounds", &rounds)
+            .buffer("WalkLists", &buffer("mnee walk lists", 2 * walks, 4)?)
+            .buffer("Brackets", &buffer("mnee arcs", u64::from(chunk) * MAX_BRACKETS, size_of::<Bracket>())?)
+            .buffer("BracketCounts", &buffer("mnee arc counts", chunk.into(), 4)?)
+            .buffer("MneeCounters", &counters);
+        let variant = context.tracer.backend.variant();
+        Ok(Mnee {
+            kernels: Kernels {
+                start: Kernel::new(device, "mnee/start", variant)?,
+                walk: Kernel::new(device, "mnee/walk", "")?,
+                solve: Kernel::new(device, "mnee/solve", variant)?,
+            },
+            surface,
+            bindings,
+            rounds,
+            counters,
+            lights: context.scene.lights.len() as u32,
+            one: settings.choice("solutions") == "one",
+            chunk,
+            surface_is_current: false,
+        })
+    }
+
+    /// All paths of `items` pixel layers from `first_slot` on to one light.
+    fn record_chunk(
+        &self,
+        frame: &Frame,
+        recorder: &mut Recorder,
+        first_slot: u32,
+        items: u32,
+        light: u32,
+    ) -> Result<(), GpuError> {
+        let bindings = [&frame.bindings, &self.bindings];
+        let kernels = &self.kernels;
+        let one = u32::from(self.one);
+        recorder.pass("mnee/clear")?.fill(&self.rounds, 0);
+        let start = StartPush { first_slot, items, light, capacity: WALK_CAPACITY, walk: 1 };
+        recorder.pass("mnee/start")?.dispatch(&kernels.start, &bindings, &start, items)?;
+        for (round, max_steps) in (0u32..).zip(ROUND_STEPS) {
+            let last = u32::from(round as usize + 1 == ROUND_STEPS.len());
+            let walk = WalkPush { first_slot, light, capacity: WALK_CAPACITY, round, max_steps, last, one };
+            let offset = u64::from(round) * size_of::<Round>() as u64;
+            recorder.pass("mnee/walk")?.dispatch_indirect(&kernels.walk, &bindings, &walk, &self.rounds, offset)?;
+        }
+        let solve = SolvePush { first_slot, items, light, one };
+        recorder.pass("mnee/solve")?.dispatch(&kernels.solve, &bindings, &solve, items)?;
+        Ok(())
+    }
+}
+
+impl Technique for Mnee {
+    fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
+        if self.surface.triangles == 0 || self.lights == 0 {
+            return Ok(());
+        }
+        if !self.surface_is_current {
+            self.surface.record(recorder, &frame.bindings)?;
+            self.surface_is_current = true;
+        }
+        for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {
+            let items = self.chunk.min(frame.slots() - first_slot);
+            for light in 0..self.lights {
+                self.record_chunk(frame, recorder, first_slot, items, light)?;
+            }
+        }
+        frame.record_caustic(recorder, index)
+    }
+
+    fn ledger(&self, _samples: u32) -> Result<Vec<LedgerEntry>, GpuError> {
+        Ok(Vec::new())
+    }
+
+    fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
+        counters::read(&self.counters)
+    }
+
+    fn second_half(&self, samples: u32) -> Option<u32> {
+        (self.surface.triangles > 0 && self.lights > 0).then_some(samples / 2)
+    }
+
+    fn warnings(&self) -> Result<Vec<String>, GpuError> {
+        if self.surface.triangles == 0 {
+            return Ok(vec!["the scene has no refracting surface, so mnee finds no caustic light".to_string()]);
+        }
+        Ok(Vec::new())
+    }
+}
