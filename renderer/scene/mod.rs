@@ -219,6 +219,12 @@ impl Scene {
         }
         bounds
     }
+
+    /// Whether an instance is an interface between two media.
+    pub fn refracts(&self, instance: &Instance) -> bool {
+        matches!(self.materials[instance.material].surface, Surface::Dielectric { .. })
+    }
+
     /// World-space surface area of an instance, m2.
     pub fn area(&self, instance: &Instance) -> f32 {
         let mesh = &self.meshes[instance.mesh];

@@ -97,12 +97,39 @@ uint partner(Facet facet, Crossings crossings, uint entry) {
     return own_after ? next : before;
 }
 
-// A piece of the curve, from one of its points to another.
+// A piece of the curve: from one of its points to another; or, of an ellipse inside the triangle, what is between two
+// parts of the way round from a point.
 struct Arc {
     vec2 from; // barycentrics
-    vec2 to;
-    bool round; // a whole ellipse inside the triangle, from `from` back to it
+    vec2 to;   // or the first and the last part
+    bool round;
+    bool pierced; // whether `from` is on the line PL
 };
+
+// Of the constraint as c + 2 g.x + x.H.x in barycentrics x: where the gradient vanishes, and H's three numbers.
+vec2 centre_of(Facet facet, out vec3 bend) {
+    float c = facet.corner[0];
+    bend = vec3(c - 2.0 * facet.edge[0] + facet.corner[1],
+                c - facet.edge[0] - facet.edge[2] + facet.edge[1],
+                c - 2.0 * facet.edge[2] + facet.corner[2]);
+    vec2 gradient = vec2(facet.edge[0] - c, facet.edge[2] - c);
+    float determinant = bend.x * bend.z - bend.y * bend.y;
+    if (abs(determinant) < 1e-37) return vec2(-1.0);
+    return vec2(bend.y * gradient.y - bend.z * gradient.x, bend.y * gradient.x - bend.x * gradient.y) / determinant;
+}
+
+// Whether an ellipse lies inside the triangle whose boundary the curve does not cross, and a point of it.
+bool ellipse_inside(Facet facet, out vec2 place) {
+    vec3 bend;
+    vec2 centre = centre_of(facet, bend);
+    place = centre;
+    float level = constraint(facet, weights(centre));
+    bool inside = min(min(centre.x, centre.y), 1.0 - centre.x - centre.y) > 0.0;
+    float curvature = bend.x;
+    if (!inside || (level < 0.0) == (facet.corner[0] < 0.0) || level * curvature >= 0.0) return false;
+    place = centre + vec2(sqrt(-level / curvature), 0.0);
+    return true;
+}
 
 // The zero nearest to s = 0 of c0 + c1 s + c2 s^2, with the nearest approach where there is none.
 float nearest_zero(float c0, float c1, float c2) {
@@ -115,21 +142,14 @@ float nearest_zero(float c0, float c1, float c2) {
 // of barycentrics. A conic's arc is convex, so each such line meets it once.
 vec2 arc_point(Facet facet, Arc arc, float part) {
     if (arc.round) {
-        // The centre is where the gradient vanishes.
-        vec2 alpha = vec2(facet.corner[0] - 2.0 * facet.edge[0] + facet.corner[1],
-                          facet.corner[0] - facet.edge[0] - facet.edge[2] + facet.edge[1]);
-        vec2 beta = vec2(alpha.y, facet.corner[0] - 2.0 * facet.edge[2] + facet.corner[2]);
-        vec2 gradient = vec2(facet.edge[0] - facet.corner[0], facet.edge[2] - facet.corner[0]);
-        float determinant = alpha.x * beta.y - alpha.y * beta.x;
-        vec2 centre = vec2(beta.x * gradient.y - beta.y * gradient.x, alpha.y * gradient.x - alpha.x * gradient.y);
-        centre /= abs(determinant) > 1e-37 ? determinant : 1e-37;
+        vec3 bend;
+        vec2 centre = centre_of(facet, bend);
         vec2 spoke = arc.from - centre;
-        float angle = 2.0 * PI * part;
-        vec2 turned = vec2(cos(angle) * spoke.x - sin(angle) * spoke.y, sin(angle) * spoke.x + cos(angle) * spoke.y);
+        float angle = 2.0 * PI * mix(arc.to.x, arc.to.y, part);
+        vec2 turned = cos(angle) * spoke + sin(angle) * vec2(-spoke.y, spoke.x);
         float level = constraint(facet, weights(centre));
-        float curvature = alpha.x * turned.x * turned.x + 2.0 * alpha.y * turned.x * turned.y + beta.y * turned.y * turned.y;
-        float scale2 = abs(curvature) > 1e-37 ? -level / curvature : 1.0;
-        return centre + turned * sqrt(max(scale2, 0.0));
+        float curvature = dot(turned, vec2(bend.x * turned.x + bend.y * turned.y, bend.y * turned.x + bend.z * turned.y));
+        return centre + turned * (level * curvature < 0.0 ? sqrt(-level / curvature) : 1.0);
     }
     vec2 chord = arc.to - arc.from;
     vec2 across = vec2(-chord.y, chord.x);
@@ -139,4 +159,16 @@ vec2 arc_point(Facet facet, Arc arc, float part) {
     float s = nearest_zero(constraint(facet, base), 2.0 * dot(base, gradient), dot(step, gradient));
     // An arc that turns by less than half a turn stays within half a chord of the chord.
     return arc.from + part * chord + across * clamp(s, -1.0, 1.0);
+}
+
+// How far a point of the curve is from an arc of it, in barycentrics.
+float distance_to(Facet facet, Arc arc, vec2 place) {
+    vec2 chord = arc.to - arc.from;
+    float part = clamp(dot(place - arc.from, chord) / max(dot(chord, chord), 1e-37), 0.0, 1.0);
+    return distance(arc_point(facet, arc, part), place);
+}
+
+// Whether a point of the curve is on an arc between two crossings, given how many crossings the triangle has.
+bool on_arc(Facet facet, Arc arc, vec2 place, uint crossings) {
+    return crossings == 2u || distance_to(facet, arc, place) < 1e-3;
 }

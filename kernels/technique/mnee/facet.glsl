@@ -20,6 +20,7 @@ struct Facet {
     vec3 normal[3];
     float corner[3]; // the constraint at the corners
     float edge[3];   // its mixed coefficients on the edges 01, 12, 20
+    vec3 pierced;    // weights, not normalised, of where the line PL meets the triangle's plane
 };
 
 Facet facet_at(Query query, uvec3 corners) {
@@ -36,7 +37,18 @@ Facet facet_at(Query query, uvec3 corners) {
         uint next = i == 2u ? 0u : i + 1u;
         facet.edge[i] = 0.5 * (dot(facet.normal[i], across[next]) + dot(facet.normal[next], across[i]));
     }
+    facet.pierced = vec3(dot(facet.at[2], across[1]), dot(facet.at[0], across[2]), dot(facet.at[1], across[0]));
     return facet;
+}
+
+// Whether the line through P and L meets the triangle, and where. The curve goes through there, and the plane of P, L and M
+// is undefined there.
+bool is_pierced(Facet facet, out vec2 place) {
+    float sum = facet.pierced.x + facet.pierced.y + facet.pierced.z;
+    place = facet.pierced.yz / (abs(sum) > 1e-37 ? sum : 1e-37);
+    float least = min(min(facet.pierced.x, facet.pierced.y), facet.pierced.z);
+    float most = max(max(facet.pierced.x, facet.pierced.y), facet.pierced.z);
+    return least > 0.0 || most < 0.0;
 }
 
 vec3 facet_point(Facet facet, vec3 weight) {
@@ -50,6 +62,12 @@ vec3 facet_normal(Facet facet, vec3 weight) {
 // Barycentrics as weights of the three corners.
 vec3 weights(vec2 barycentrics) {
     return vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+}
+
+// From the point with barycentrics `from` to that with `to`, without the rounding of either.
+vec3 facet_step(Facet facet, vec2 from, vec2 to) {
+    vec2 step = to - from;
+    return (facet.at[1] - facet.at[0]) * step.x + (facet.at[2] - facet.at[0]) * step.y;
 }
 
 // Places on the boundary are written as edge + t, t from the edge's first corner to its second.

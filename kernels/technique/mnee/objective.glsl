@@ -12,18 +12,11 @@ vec3 half_vector(Query query, vec3 at) {
     return query.light_index * normalize(way_to_light(query, at)) - query.point_index * normalize(at);
 }
 
-// Unit normal of the plane through P, L and M. It turns round where M passes the line PL; elsewhere it is continuous.
-vec3 plane_normal(Query query, vec3 at) {
-    vec3 normal = cross(query.light, at);
+// Unit normal of the plane through P, L and M. `step` leads to M from P or, more exactly near there, from where the line PL
+// meets the surface. At that point the plane is undefined, and the normal turns round as the curve passes it.
+vec3 plane_normal(Query query, vec3 step) {
+    vec3 normal = cross(query.light, step);
     return normal * inversesqrt(max(dot(normal, normal), 1e-37));
-}
-
-// The plane's normal on the side of `like`; `like` itself where M is on the line PL to rounding.
-vec3 plane_like(Query query, vec3 at, vec3 like) {
-    vec3 normal = cross(query.light, at);
-    float size2 = dot(normal, normal);
-    if (size2 < 1e-9 * dot(query.light, query.light) * dot(at, at)) return like;
-    return normal * (dot(normal, like) < 0.0 ? -inversesqrt(size2) : inversesqrt(size2));
 }
 
 // The sine that tells the half vector from the surface's normal, times the half vector's length: on the curve both lie in
@@ -31,4 +24,9 @@ vec3 plane_like(Query query, vec3 at, vec3 like) {
 // tangent, is zero all along the curve of a flat surface.)
 float objective(Query query, vec3 at, vec3 normal, vec3 plane) {
     return dot(cross(normalize(normal), half_vector(query, at)), plane);
+}
+
+// The objective at a crossing of a triangle's boundary, or wherever the curve is well away from the line PL.
+float objective_at(Query query, vec3 at, vec3 normal) {
+    return objective(query, at, normal, plane_normal(query, at));
 }

@@ -49,7 +49,7 @@ bool comes_before(Root a, Root b) {
 void main() {
     uint item = linear_index();
     if (item >= push.items) return;
-    uint arcs = min(bracket_counts[item], MAX_BRACKETS);
+    uint arcs = min(bracket_counts[item] & ~CERTAIN, MAX_BRACKETS);
     if (arcs == 0u) return;
     uint slot = push.first_slot + item;
     VisiblePoint point = visible_points[slot];
@@ -64,7 +64,7 @@ void main() {
         if (push.one != 0u) {
             uint least = 0xffffffffu;
             for (uint j = 0u; j < arcs; j++) {
-                uint steps = brackets[item * MAX_BRACKETS + j].steps & ~SPAN_ROUND;
+                uint steps = brackets[item * MAX_BRACKETS + j].steps & ARC_STEPS;
                 if (((tried >> j) & 1u) == 0u && steps < least) {
                     least = steps;
                     pick = j;
@@ -74,16 +74,15 @@ void main() {
         }
         Bracket bracket = brackets[item * MAX_BRACKETS + pick];
         Facet facet = facet_at(query, specular_triangles[bracket.triangle].corner);
-        Arc arc = Arc(bracket.from, bracket.to, (bracket.steps & SPAN_ROUND) != 0u);
-        // A round arc comes back to the start, where the plane is undefined; just before the start it is not.
-        vec2 last = arc.round ? arc_point(facet, arc, 0.999) : bracket.to;
-        vec3 like = plane_normal(query, facet_point(facet, weights(last)));
-        float size = distance(facet_point(facet, weights(bracket.from)), facet_point(facet, weights(last)));
+        Arc arc = arc_of(bracket);
+        float size = distance(facet.at[0], facet.at[1]);
         Interval intervals[MAX_INTERVALS];
-        uint zeros = intervals_of(query, facet, arc, like, intervals);
+        bool point_only = (bracket.steps & ARC_POINT) != 0u;
+        uint zeros = point_only ? 1u : intervals_of(query, facet, arc, intervals);
         for (uint j = 0u; j < zeros; j++) {
             Root root;
-            if (!refine(query, facet, arc, intervals[j], like, root.place)) {
+            root.place = bracket.from;
+            if (!point_only && !refine(query, facet, arc, intervals[j], root.place)) {
                 count(COUNT_UNSOLVED, 1u);
                 continue;
             }

@@ -9,31 +9,25 @@ layout(push_constant) uniform StartPush {
     uint items;
     uint light;
     uint capacity; // walks
-    uint walk;     // 0: nothing is walked
+    uint seeded;   // 0: no arcs are there yet; 1: only points without a certain one start a walk; 2: all do
 } push;
 
 // Surfaces that the segment may meet; those beyond are not looked for.
 const uint MAX_MEETINGS = 8u;
 
 // The first arc of a walk, from the start to crossing `exit`.
-void set_out(Query query, Facet facet, uint item, uint triangle, vec2 start, float exit, float objective_start) {
-    SpecularTriangle neighbours = specular_triangles[triangle];
-    vec3 weight = weights(boundary_barycentrics(exit));
-    Walk walk;
-    walk.at = facet_point(facet, weight);
-    walk.normal = facet_normal(facet, weight);
-    walk.plane = plane_normal(query, walk.at);
-    walk.objective = objective(query, walk.at, walk.normal, walk.plane);
-    vec3 at_start = facet_point(facet, weights(start));
-    vec3 normal_start = facet_normal(facet, weights(start));
-    if (may_vanish(query, objective_start, walk.objective, at_start, walk.at, normal_start, walk.normal)) {
-        append_bracket(item, Bracket(start, boundary_barycentrics(exit), triangle, 0u));
-    }
-    uint across = neighbours.across[min(uint(exit), 2u)];
+void set_out(Query query, Facet facet, uint item, uint triangle, vec2 start, float exit) {
+    append_pierced(query, item, facet, triangle, start, boundary_barycentrics(exit), 0u);
+    uint across = specular_triangles[triangle].across[min(uint(exit), 2u)];
     if (across == NO_TRIANGLE) {
         count(COUNT_ENDED_BOUNDARY, 1u);
         return;
     }
+    vec3 weight = weights(boundary_barycentrics(exit));
+    Walk walk;
+    walk.at = facet_point(facet, weight);
+    walk.normal = facet_normal(facet, weight);
+    walk.objective = objective_at(query, walk.at, walk.normal);
     walk.tilt = -2.0;
     walk.triangle = across / 4u;
     walk.place = float(across % 4u) + 1.0 - fract(exit);
@@ -59,8 +53,9 @@ void start_walks(Query query, uint item, uint triangle, vec2 start) {
     Facet facet = facet_at(query, specular_triangles[triangle].corner);
     Crossings crossings = crossings_of(facet);
     count(COUNT_STARTS, 1u);
+    append_straight(query, item, facet, triangle, start, 0u);
     if (crossings.count == 0u) {
-        append_bracket(item, Bracket(start, start, triangle, SPAN_ROUND));
+        append_round(item, triangle, start, true);
         return;
     }
     uint first = 0u;
@@ -69,36 +64,34 @@ void start_walks(Query query, uint item, uint triangle, vec2 start) {
     for (uint i = 0u; crossings.count > 2u && i < crossings.count; i++) {
         uint other = partner(facet, crossings, i);
         if (other < i) continue;
-        Arc arc = Arc(boundary_barycentrics(crossings.place[i]), boundary_barycentrics(crossings.place[other]), false);
-        vec2 chord = arc.to - arc.from;
-        float part = clamp(dot(start - arc.from, chord) / max(dot(chord, chord), 1e-37), 0.0, 1.0);
-        float distance = length(arc_point(facet, arc, part) - start);
+        vec2 from = boundary_barycentrics(crossings.place[i]);
+        vec2 to = boundary_barycentrics(crossings.place[other]);
+        float distance = distance_to(facet, Arc(from, to, false, false), start);
         if (distance < nearest) {
             nearest = distance;
             first = i;
             second = other;
         }
     }
-    // At the start the plane through P, L and M is undefined. Its limit along the curve depends on the direction by its
-    // sign alone, and one sign is the other's opposite: a root that lies just at the start is found once.
-    vec3 towards = facet_point(facet, weights(boundary_barycentrics(crossings.place[first])));
-    vec3 weight = weights(start);
-    float here = objective(query, facet_point(facet, weight), facet_normal(facet, weight), plane_normal(query, towards));
-    set_out(query, facet, item, triangle, start, crossings.place[first], here >= 0.0 ? max(here, 1e-37) : here);
-    set_out(query, facet, item, triangle, start, crossings.place[second], here >= 0.0 ? min(-here, -1e-37) : -here);
+    set_out(query, facet, item, triangle, start, crossings.place[first]);
+    set_out(query, facet, item, triangle, start, crossings.place[second]);
 }
 
 void main() {
     uint item = linear_index();
     if (item >= push.items) return;
     uint slot = push.first_slot + item;
-    bracket_counts[item] = 0u;
-    if (push.light == 0u) sample_irradiance[slot] = vec4(0.0);
     VisiblePoint point = visible_points[slot];
     Light light = lights[push.light];
-    if (point.instance == NO_INSTANCE || point.medium == light.medium) return;
-    count(COUNT_POINTS, 1u);
-    if (push.walk == 0u) return;
+    bool lit = point.instance != NO_INSTANCE && point.medium != light.medium;
+    if (push.seeded == 0u) {
+        bracket_counts[item] = 0u;
+        if (push.light == 0u) sample_irradiance[slot] = vec4(0.0);
+        count(COUNT_POINTS, lit ? 1u : 0u);
+    } else if (push.seeded == 1u && (bracket_counts[item] & CERTAIN) != 0u) {
+        return;
+    }
+    if (!lit) return;
     Query query = query_at(point, light);
 
     float t = 0.0;

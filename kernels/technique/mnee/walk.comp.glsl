@@ -44,20 +44,15 @@ void main() {
             break;
         }
         float exit = crossings.place[partner(facet, crossings, entry)];
-        vec3 weight = weights(boundary_barycentrics(exit));
-        vec3 at = facet_point(facet, weight);
-        vec3 normal = facet_normal(facet, weight);
-        vec3 plane = plane_normal(query, at);
-        if (dot(plane, walk.plane) < 0.0) plane = -plane;
-        float value = objective(query, at, normal, plane);
-        bool vanishes = may_vanish(query, walk.objective, value, walk.at, at, walk.normal, normal);
-        if (vanishes) {
-            Bracket bracket;
-            bracket.from = boundary_barycentrics(crossings.place[entry]);
-            bracket.to = boundary_barycentrics(exit);
-            bracket.triangle = walk.triangle;
-            bracket.steps = walk.steps;
-            append_bracket(walk.item, bracket);
+        vec2 to = boundary_barycentrics(exit);
+        vec3 at = facet_point(facet, weights(to));
+        vec3 normal = facet_normal(facet, weights(to));
+        float value = objective_at(query, at, normal);
+        vec2 pierced;
+        if (is_pierced(facet, pierced) ||
+            may_vanish(query, walk.objective, value, walk.at, at, walk.normal, normal)) {
+            vec2 from = boundary_barycentrics(crossings.place[entry]);
+            append_arc(query, walk.item, facet, walk.triangle, from, to, crossings.count, walk.steps);
         }
         walk.steps++;
         if (walk.triangle == walk.start && crossings.count == 2u) {
@@ -73,7 +68,6 @@ void main() {
         }
         walk.at = at;
         walk.normal = normal;
-        walk.plane = plane;
         walk.objective = value;
         uint across = triangle.across[min(uint(exit), 2u)];
         if (across == NO_TRIANGLE) {

@@ -3,8 +3,7 @@
 #include "shared/optics.glsl"
 #include "shared/view.glsl"
 #include "shared/visible.glsl"
-#include "technique/mnee/arcs.glsl"
-#include "technique/mnee/objective.glsl"
+#include "technique/mnee/zeros.glsl"
 #include "technique/mnee/counters.glsl"
 
 // Arcs that a pixel layer keeps for the solver, from all its walks and seeds.
@@ -12,16 +11,18 @@ const uint MAX_BRACKETS = 16u;
 
 // One direction of a walk, between two triangles.
 struct Walk {
-    vec3 plane;      // unit normal of the plane through P, L and M, carried along
-    float objective;
     vec3 at;         // M - P
-    float tilt;      // cosine of the half vector to the axis of the surface's normals
+    float objective;
     vec3 normal;     // interpolated, at M
+    float tilt;      // cosine of the half vector to the axis of the surface's normals
     float place;     // on the boundary of `triangle`
     uint triangle;   // to be crossed next
     uint item;       // pixel layer, counted from the chunk's first
     uint start;      // triangle that holds the walk's first point
     uint steps;
+    uint padding0;
+    uint padding1;
+    uint padding2;
 };
 
 // Part of the curve on which the objective has a zero, or may have two.
@@ -29,10 +30,13 @@ struct Bracket {
     vec2 from; // barycentrics
     vec2 to;
     uint triangle;
-    uint steps; // from the walk's start; SPAN_ROUND: a whole ellipse
+    uint steps; // from the walk's start, and what kind of arc
 };
 
-const uint SPAN_ROUND = 0x80000000u;
+const uint ARC_ROUND = 0x80000000u;   // of an ellipse
+const uint ARC_PIERCED = 0x40000000u; // `from` is on the line PL
+const uint ARC_POINT = 0x20000000u;   // `from` alone, and it is a zero
+const uint ARC_STEPS = 0x1fffffffu;
 
 // Group counts of an indirect dispatch and the number of walks that it is for, a round of walking each.
 struct Round {
@@ -47,7 +51,10 @@ layout(set = 3, binding = 3, std430) buffer Walks { Walk walks[]; };
 layout(set = 3, binding = 4, std430) buffer Rounds { Round rounds[]; };
 layout(set = 3, binding = 5, std430) buffer WalkLists { uint walk_lists[]; }; // two, for even and odd rounds
 layout(set = 3, binding = 6, std430) buffer Brackets { Bracket brackets[]; };  // MAX_BRACKETS a pixel layer
-layout(set = 3, binding = 7, std430) buffer BracketCounts { uint bracket_counts[]; };
+layout(set = 3, binding = 7, std430) buffer BracketCounts { uint bracket_counts[]; }; // and CERTAIN
+
+// In a layer's count of arcs: on one of them the objective changes its sign.
+const uint CERTAIN = 0x80000000u;
 
 Query query_at(VisiblePoint point, Light light) {
     Query query;
@@ -72,8 +79,9 @@ bool append_walk(uint round, uint walk, uint capacity) {
     return true;
 }
 
-void append_bracket(uint item, Bracket bracket) {
-    uint place = atomicAdd(bracket_counts[item], 1u);
+void append_bracket(uint item, Bracket bracket, bool certain) {
+    uint place = atomicAdd(bracket_counts[item], 1u) & ~CERTAIN;
+    if (certain) atomicOr(bracket_counts[item], CERTAIN);
     count(COUNT_ARCS, 1u);
     if (place < MAX_BRACKETS) {
         brackets[item * MAX_BRACKETS + place] = bracket;
@@ -92,4 +100,63 @@ bool may_vanish(Query query, float before, float after, vec3 at_before, vec3 at_
     float reach = turn * length(at_after - at_before) +
                   length(half_vector(query, at_after)) * length(normalize(normal_after) - normalize(normal_before));
     return abs(before) + abs(after) < reach;
+}
+
+Arc arc_of(Bracket bracket) {
+    return Arc(bracket.from, bracket.to, (bracket.steps & ARC_ROUND) != 0u, (bracket.steps & ARC_PIERCED) != 0u);
+}
+
+// An ellipse inside a triangle, in quarters: between one look and the next the objective turns less.
+void append_round(uint item, uint triangle, vec2 from, bool pierced) {
+    for (uint i = 0u; i < 4u; i++) {
+        uint kind = ARC_ROUND | (pierced ? ARC_PIERCED : 0u);
+        append_bracket(item, Bracket(from, vec2(i, i + 1u) / 4.0, triangle, kind), false);
+    }
+}
+
+// Hands on what is between the point where the line PL meets the triangle and a crossing, if it may hold a zero.
+void append_pierced(Query query, uint item, Facet facet, uint triangle, vec2 from, vec2 to, uint steps) {
+    Bracket bracket = Bracket(from, to, triangle, steps | ARC_PIERCED);
+    vec2 near;
+    float before = objective_on(query, facet, arc_of(bracket), 0.0, near);
+    vec3 at = facet_point(facet, weights(to));
+    vec3 normal = facet_normal(facet, weights(to));
+    float after = objective_at(query, at, normal);
+    vec3 at_near = facet_point(facet, weights(near));
+    if (may_vanish(query, before, after, at_near, at, facet_normal(facet, weights(near)), normal)) {
+        append_bracket(item, bracket, (before < 0.0) != (after < 0.0));
+    }
+}
+
+// Of the objective where the line PL meets the surface: less, and light goes straight through. Nearer roots than that takes
+// could not be told from the point itself.
+const float STRAIGHT = 1e-5;
+
+// Hands on the point where the line PL meets the triangle, if light goes straight through there. The curve is then no help:
+// where the normal is along PL every plane through PL contains it.
+void append_straight(Query query, uint item, Facet facet, uint triangle, vec2 place, uint steps) {
+    vec3 bend = cross(normalize(facet_normal(facet, weights(place))), normalize(query.light));
+    if (abs(query.light_index - query.point_index) * length(bend) < STRAIGHT) {
+        append_bracket(item, Bracket(place, place, triangle, steps | ARC_POINT), true);
+    }
+}
+
+// Hands on the arc between two crossings, if it may hold a zero; in two parts where the line PL meets it.
+void append_arc(Query query, uint item, Facet facet, uint triangle, vec2 from, vec2 to, uint crossings, uint steps) {
+    vec2 pierced;
+    if (is_pierced(facet, pierced) && on_arc(facet, Arc(from, to, false, false), pierced, crossings)) {
+        append_straight(query, item, facet, triangle, pierced, steps);
+        append_pierced(query, item, facet, triangle, pierced, from, steps);
+        append_pierced(query, item, facet, triangle, pierced, to, steps);
+        return;
+    }
+    vec3 at_from = facet_point(facet, weights(from));
+    vec3 at_to = facet_point(facet, weights(to));
+    vec3 normal_from = facet_normal(facet, weights(from));
+    vec3 normal_to = facet_normal(facet, weights(to));
+    float before = objective_at(query, at_from, normal_from);
+    float after = objective_at(query, at_to, normal_to);
+    if (may_vanish(query, before, after, at_from, at_to, normal_from, normal_to)) {
+        append_bracket(item, Bracket(from, to, triangle, steps), (before < 0.0) != (after < 0.0));
+    }
 }

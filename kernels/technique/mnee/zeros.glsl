@@ -18,14 +18,22 @@ const uint EXTREMUM_STEPS = 3u;
 // The objective's own, in single precision.
 const float OBJECTIVE_ROUNDING = 2e-7;
 
-// Of the objective at a zero. At a change of sign that is none (the plane's normal turns round where the curve meets the
-// segment from point to light) it is as large as the bend that refraction makes.
-const float ZERO = 2e-4;
+// Of the objective at a zero, itself or relative to the values at the interval's ends. At a change of sign that is none
+// (the plane's normal turns round where the curve meets the line PL) it is as large as the bend that refraction makes, and
+// that is above STRAIGHT.
+const float ZERO = 5e-6;
+const float RELATIVE_ZERO = 1e-4;
 
-float objective_on(Query query, Facet facet, Arc arc, float part, vec3 like, out vec2 place) {
+// On an arc that begins on the line PL, the nearest that the plane is taken there, in parts of the arc. A root nearer than
+// this is the line's own point to all purposes; append_arc() sees to it.
+const float NEAREST_PART = 1e-4;
+
+float objective_on(Query query, Facet facet, Arc arc, float part, out vec2 place) {
+    if (arc.pierced) part = clamp(part, NEAREST_PART, arc.round ? 1.0 - NEAREST_PART : 1.0);
     place = arc_point(facet, arc, part);
     vec3 at = facet_point(facet, weights(place));
-    return objective(query, at, facet_normal(facet, weights(place)), plane_like(query, at, like));
+    vec3 plane = plane_normal(query, arc.pierced ? facet_step(facet, arc.from, place) : at);
+    return objective(query, at, facet_normal(facet, weights(place)), plane);
 }
 
 // A part of an arc at whose ends the objective has opposite signs.
@@ -38,14 +46,14 @@ struct Interval {
 
 // Intervals with a zero each. Where the sign never changes, the extremum of the parabola through the three values nearest
 // to zero decides: two zeros that nearly meet make the brightest lines.
-uint intervals_of(Query query, Facet facet, Arc arc, vec3 like, out Interval found[MAX_INTERVALS]) {
+uint intervals_of(Query query, Facet facet, Arc arc, out Interval found[MAX_INTERVALS]) {
     uint number = 0u;
     float values[INTERVALS + 1u];
     vec2 place;
     uint nearest = 1u;
     for (uint i = 0u; i <= INTERVALS; i++) {
         float part = float(i) / float(INTERVALS);
-        values[i] = objective_on(query, facet, arc, part, like, place);
+        values[i] = objective_on(query, facet, arc, part, place);
         if (i > 0u && (values[i] < 0.0) != (values[i - 1u] < 0.0)) {
             found[number++] = Interval(part - 1.0 / float(INTERVALS), values[i - 1u], part, values[i]);
         }
@@ -66,7 +74,7 @@ uint intervals_of(Query query, Facet facet, Arc arc, vec3 like, out Interval fou
         if (!(bend * value > 0.0)) return 0u; // it turns away from zero
         float vertex = 0.5 * (a + middle) - 0.5 * slope_a / bend;
         if (!(vertex > a && vertex < b) || abs(vertex - middle) < 1e-4) return 0u;
-        float value_vertex = objective_on(query, facet, arc, vertex, like, place);
+        float value_vertex = objective_on(query, facet, arc, vertex, place);
         if ((value_vertex < 0.0) != (value < 0.0)) {
             found[0] = Interval(0.0, values[0], vertex, value_vertex);
             found[1] = Interval(vertex, value_vertex, 1.0, values[INTERVALS]);
@@ -96,14 +104,15 @@ uint intervals_of(Query query, Facet facet, Arc arc, vec3 like, out Interval fou
 
 // The zero of an interval: false position that halves the weight of an end that stays (the Illinois rule), with a
 // bisection now and then where that stalls. False for a change of sign that is no zero.
-bool refine(Query query, Facet facet, Arc arc, Interval interval, vec3 like, out vec2 place) {
+bool refine(Query query, Facet facet, Arc arc, Interval interval, out vec2 place) {
     float value = 1.0;
+    float zero = max(ZERO, RELATIVE_ZERO * max(abs(interval.value_a), abs(interval.value_b)));
     for (uint i = 0u; i < REFINEMENTS; i++) {
         float span = interval.value_b - interval.value_a;
         float part = i % 4u == 3u || span == 0.0
                          ? 0.5 * (interval.a + interval.b)
                          : (interval.a * interval.value_b - interval.b * interval.value_a) / span;
-        value = objective_on(query, facet, arc, part, like, place);
+        value = objective_on(query, facet, arc, part, place);
         if (abs(value) < OBJECTIVE_ROUNDING) break;
         if ((value < 0.0) == (interval.value_a < 0.0)) {
             interval.a = part;
@@ -115,5 +124,5 @@ bool refine(Query query, Facet facet, Arc arc, Interval interval, vec3 like, out
             interval.value_a *= 0.5;
         }
     }
-    return abs(value) < ZERO;
+    return abs(value) < zero;
 }

@@ -2,20 +2,43 @@
 //! visible point through one refracting surface to a light, found by walking a curve on the surface.
 
 mod counters;
+mod footprints;
 mod surface;
 
 use super::{Context, CounterEntry, LedgerEntry, Setting, SettingKind, Settings, Technique};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use footprints::Footprints;
 use surface::SpecularSurface;
 
-pub const SETTINGS: &[Setting] = &[Setting {
-    key: "solutions",
-    kind: SettingKind::Choice(&["all", "one"]),
-    default: "all",
-    unit: "",
-    help: "Every path from a point to a light, or the first along the walk, as the paper has it",
-}];
+pub const SETTINGS: &[Setting] = &[
+    Setting {
+        key: "solutions",
+        kind: SettingKind::Choice(&["all", "one"]),
+        default: "all",
+        unit: "",
+        help: "Every path from a point to a light; or the first along the walk, as the paper has it",
+    },
+    Setting {
+        key: "search",
+        kind: SettingKind::Choice(&["footprints", "walk", "both"]),
+        default: "footprints",
+        unit: "",
+        help: "Where all paths are looked for: on triangles whose light may land at the point, with a walk where that \
+               finds nothing; along the curve from the start alone; or both everywhere",
+    },
+];
+
+/// Which arcs the solver gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Search {
+    /// Those of triangles whose footprint holds the point, and of walks where these have no certain root.
+    Footprints,
+    /// Those of walks.
+    Walk,
+    /// All of them.
+    Both,
+}
 
 /// Pixel layers that are worked on together: bounds the memory for walks and arcs.
 const CHUNK: u32 = 1 << 17;
@@ -26,19 +49,26 @@ const ROUND_STEPS: [u32; 9] = [12, 12, 24, 48, 96, 192, 384, 768, 1536];
 /// Arcs a pixel layer keeps, as in `walks.glsl`.
 const MAX_BRACKETS: u64 = 16;
 
+/// What `start` finds: nothing; arcs that may do; arcs that walks are to add to.
+const SEEDED_NOT: u32 = 0;
+const SEEDED_ENOUGH: u32 = 1;
+const SEEDED_MORE: u32 = 2;
+
 crate::gpu_struct! {
     /// One direction of a walk; see `kernels/technique/mnee/walks.glsl`.
     pub struct Walk {
-        pub plane: [f32; 3],
-        pub objective: f32,
         pub at: [f32; 3],
-        pub tilt: f32,
+        pub objective: f32,
         pub normal: [f32; 3],
+        pub tilt: f32,
         pub place: f32,
         pub triangle: u32,
         pub item: u32,
         pub start: u32,
         pub steps: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+        pub padding2: u32,
     }
 }
 
@@ -68,7 +98,15 @@ crate::gpu_struct! {
         pub items: u32,
         pub light: u32,
         pub capacity: u32,
-        pub walk: u32,
+        pub seeded: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct SeedPush {
+        pub first_slot: u32,
+        pub items: u32,
+        pub light: u32,
     }
 }
 
@@ -93,15 +131,23 @@ crate::gpu_struct! {
     }
 }
 
-const OWN_LAYOUTS: &[Layout] =
-    &[Walk::LAYOUT, Bracket::LAYOUT, Round::LAYOUT, StartPush::LAYOUT, WalkPush::LAYOUT, SolvePush::LAYOUT];
+const OWN_LAYOUTS: &[Layout] = &[
+    Walk::LAYOUT,
+    Bracket::LAYOUT,
+    Round::LAYOUT,
+    StartPush::LAYOUT,
+    SeedPush::LAYOUT,
+    WalkPush::LAYOUT,
+    SolvePush::LAYOUT,
+];
 
 /// What the technique shares with its kernels.
 pub fn layouts() -> impl Iterator<Item = Layout> {
-    OWN_LAYOUTS.iter().chain(surface::LAYOUTS).copied()
+    OWN_LAYOUTS.iter().chain(surface::LAYOUTS).chain(footprints::LAYOUTS).copied()
 }
 
 struct Kernels {
+    seed: Kernel,
     start: Kernel,
     walk: Kernel,
     solve: Kernel,
@@ -111,6 +157,9 @@ struct Kernels {
 pub struct Mnee {
     kernels: Kernels,
     surface: SpecularSurface,
+    /// `None` where only walks are made.
+    footprints: Option<Footprints>,
+    search: Search,
     bindings: Bindings,
     rounds: Buffer,
     counters: Buffer,
@@ -124,6 +173,14 @@ impl Mnee {
     pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
         let device = context.device;
         let surface = SpecularSurface::new(device, context.scene)?;
+        let one = settings.choice("solutions") == "one";
+        let search = match settings.choice("search") {
+            _ if one => Search::Walk,
+            "walk" => Search::Walk,
+            "both" => Search::Both,
+            _ => Search::Footprints,
+        };
+        let footprints = if search == Search::Walk { None } else { Some(Footprints::new(context, &surface)?) };
         let chunk = CHUNK.min(context.frame.slots());
         let buffer = |name: &str, items: u64, bytes: usize| Buffer::new(device, name, items * bytes as u64);
         let rounds = buffer("mnee rounds", ROUND_STEPS.len() as u64 + 1, size_of::<Round>())?;
@@ -140,16 +197,19 @@ impl Mnee {
         let variant = context.tracer.backend.variant();
         Ok(Mnee {
             kernels: Kernels {
+                seed: Kernel::new(device, "mnee/seed", "")?,
                 start: Kernel::new(device, "mnee/start", variant)?,
                 walk: Kernel::new(device, "mnee/walk", "")?,
                 solve: Kernel::new(device, "mnee/solve", variant)?,
             },
             surface,
+            footprints,
+            search,
             bindings,
             rounds,
             counters,
             lights: context.scene.lights.len() as u32,
-            one: settings.choice("solutions") == "one",
+            one,
             chunk,
             surface_is_current: false,
         })
@@ -168,7 +228,17 @@ impl Mnee {
         let kernels = &self.kernels;
         let one = u32::from(self.one);
         recorder.pass("mnee/clear")?.fill(&self.rounds, 0);
-        let start = StartPush { first_slot, items, light, capacity: WALK_CAPACITY, walk: 1 };
+        if let Some(footprints) = &self.footprints {
+            let seed = SeedPush { first_slot, items, light };
+            let bindings = [&frame.bindings, &self.bindings, footprints.bindings(light)];
+            recorder.pass("mnee/seed")?.dispatch(&kernels.seed, &bindings, &seed, items)?;
+        }
+        let seeded = match self.search {
+            Search::Walk => SEEDED_NOT,
+            Search::Footprints => SEEDED_ENOUGH,
+            Search::Both => SEEDED_MORE,
+        };
+        let start = StartPush { first_slot, items, light, capacity: WALK_CAPACITY, seeded };
         recorder.pass("mnee/start")?.dispatch(&kernels.start, &bindings, &start, items)?;
         for (round, max_steps) in (0u32..).zip(ROUND_STEPS) {
             let last = u32::from(round as usize + 1 == ROUND_STEPS.len());
@@ -189,6 +259,9 @@ impl Technique for Mnee {
         }
         if !self.surface_is_current {
             self.surface.record(recorder, &frame.bindings)?;
+            if let Some(footprints) = &self.footprints {
+                footprints.record(recorder, &frame.bindings, &self.surface)?;
+            }
             self.surface_is_current = true;
         }
         for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use crate::scene::adjacency::{Adjacency, Neighbour};
-use crate::scene::{Instance, Scene, Surface};
+use crate::scene::{Instance, Scene};
 
 /// In place of a triangle: an open edge, or an instance that does not refract.
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -58,9 +58,10 @@ pub const LAYOUTS: &[Layout] =
 pub struct SpecularSurface {
     pub bindings: Bindings,
     pub triangles: u32,
+    pub vertices: u32,
+    /// Those that refract, each with its number of vertices.
+    pub instances: Vec<SurfacePush>,
     transform: Kernel,
-    /// Instance and its number of vertices.
-    instances: Vec<SurfacePush>,
 }
 
 impl SpecularSurface {
@@ -71,7 +72,7 @@ impl SpecularSurface {
         let mut instances = Vec::new();
         let mut first_vertex = 0;
         for (index, instance) in (0u32..).zip(&scene.instances) {
-            let refracts = matches!(scene.materials[instance.material].surface, Surface::Dielectric { .. });
+            let refracts = scene.refracts(instance);
             let (axis, cos_spread) = normal_cone(scene, instance);
             records.push(SpecularInstance {
                 axis: axis.to_array(),
@@ -94,7 +95,13 @@ impl SpecularSurface {
             .buffer("SpecularTriangles", &Buffer::from_slice(device, "mnee triangles", &triangles)?)
             .buffer("SpecularInstances", &Buffer::from_slice(device, "mnee instances", &records)?);
         let transform = Kernel::new(device, "mnee/surface", "")?;
-        Ok(SpecularSurface { bindings, triangles: triangles.len() as u32, transform, instances })
+        Ok(SpecularSurface {
+            bindings,
+            triangles: triangles.len() as u32,
+            vertices: first_vertex,
+            instances,
+            transform,
+        })
     }
 
     /// Records the way of all vertices to world space, from the scene's instances as they are then.

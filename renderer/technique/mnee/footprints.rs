@@ -1,0 +1,137 @@
+//! Where each refracting triangle's light can land: how a visible point finds the triangles that may light it.
+
+use super::surface::SpecularSurface;
+use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use crate::scene::Scene;
+use crate::technique::Context;
+
+crate::gpu_struct! {
+    /// Where light that is refracted at a vertex goes; see `kernels/technique/mnee/footprints.glsl`.
+    pub struct Landing {
+        pub direction: [f32; 3],
+        pub distance: f32,
+    }
+}
+
+crate::gpu_struct! {
+    /// A box that a triangle's light may land in.
+    pub struct Footprint {
+        pub low: [f32; 3],
+        pub level: u32,
+        pub high: [f32; 3],
+        pub padding0: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct FootprintGrid {
+        pub cell: f32,
+        pub buckets: u32,
+        pub used: u32,
+        pub padding0: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct LandingPush {
+        pub instance: u32,
+        pub vertices: u32,
+        pub light: u32,
+        pub far: f32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct FootprintPush {
+        pub low: [f32; 3],
+        pub triangles: u32,
+        pub high: [f32; 3],
+    }
+}
+
+pub const LAYOUTS: &[Layout] =
+    &[Landing::LAYOUT, Footprint::LAYOUT, FootprintGrid::LAYOUT, LandingPush::LAYOUT, FootprintPush::LAYOUT];
+
+/// Entries of the grid that a triangle has room for, as in `footprints.glsl`.
+const CELLS: u64 = 8;
+/// At most; more buckets than that save nothing that a cache could hold.
+const MAX_BUCKETS: u32 = 1 << 20;
+
+/// The kernels, and what all lights share.
+pub struct Footprints {
+    landing: Kernel,
+    footprint: Kernel,
+    far: f32,
+    low: [f32; 3],
+    high: [f32; 3],
+    /// One grid a light.
+    grids: Vec<Grid>,
+}
+
+struct Grid {
+    bindings: Bindings,
+    heads: Buffer,
+}
+
+impl Footprints {
+    /// Makes room for every light: 64 bytes a triangle each, and 16 a vertex once.
+    pub fn new(context: &Context<'_>, surface: &SpecularSurface) -> Result<Self, GpuError> {
+        let device = context.device;
+        let bounds = context.scene.bounds();
+        let variant = context.tracer.backend.variant();
+        let landings = Buffer::new(device, "mnee landings", u64::from(surface.vertices) * size_of::<Landing>() as u64)?;
+        let triangles = u64::from(surface.triangles);
+        let buckets = surface.triangles.clamp(1, MAX_BUCKETS / 2).next_power_of_two() * 2;
+        let grid = |_| {
+            let state =
+                FootprintGrid { cell: first_cell(context.scene, surface.triangles), buckets, used: 0, padding0: 0 };
+            let heads = Buffer::new(device, "mnee footprint heads", u64::from(buckets) * 4)?;
+            let bindings = Bindings::new()
+                .buffer("Landings", &landings)
+                .buffer("Footprints", &Buffer::new(device, "mnee footprints", triangles * 32)?)
+                .buffer("FootprintGrids", &Buffer::from_slice(device, "mnee footprint grid", &[state])?)
+                .buffer("FootprintHeads", &heads)
+                .buffer("FootprintNext", &Buffer::new(device, "mnee footprint entries", triangles * CELLS * 4)?);
+            Ok(Grid { bindings, heads })
+        };
+        let margin = 1e-3 * bounds.diagonal();
+        Ok(Footprints {
+            landing: Kernel::new(device, "mnee/landing", variant)?,
+            footprint: Kernel::new(device, "mnee/footprint", "")?,
+            far: bounds.diagonal(),
+            low: (bounds.min - margin).to_array(),
+            high: (bounds.max + margin).to_array(),
+            grids: context.scene.lights.iter().map(grid).collect::<Result<_, GpuError>>()?,
+        })
+    }
+
+    /// Records the footprints of every light, for surfaces as they are then.
+    pub fn record(&self, recorder: &mut Recorder, frame: &Bindings, surface: &SpecularSurface) -> Result<(), GpuError> {
+        for (light, grid) in (0u32..).zip(&self.grids) {
+            let bindings = [frame, &surface.bindings, &grid.bindings];
+            recorder.pass("mnee/clear")?.fill(&grid.heads, u32::MAX);
+            let mut pass = recorder.pass("mnee/landing")?;
+            for range in &surface.instances {
+                let push = LandingPush { instance: range.instance, vertices: range.vertices, light, far: self.far };
+                pass.dispatch(&self.landing, &bindings, &push, range.vertices)?;
+            }
+            drop(pass);
+            let push = FootprintPush { low: self.low, triangles: surface.triangles, high: self.high };
+            recorder.pass("mnee/footprint")?.dispatch(&self.footprint, &bindings, &push, surface.triangles)?;
+        }
+        Ok(())
+    }
+
+    /// What a kernel needs to look into a light's grid.
+    pub fn bindings(&self, light: u32) -> &Bindings {
+        &self.grids[light as usize].bindings
+    }
+}
+
+/// A power of two near half the mean edge of the refracting triangles, m: few footprints are smaller.
+fn first_cell(scene: &Scene, triangles: u32) -> f32 {
+    let refracting = scene.instances.iter().filter(|instance| scene.refracts(instance));
+    let area: f32 = refracting.map(|instance| scene.area(instance)).sum();
+    let edge = (2.0 * area / triangles.max(1) as f32).sqrt().max(1e-6);
+    (0.5 * edge).log2().floor().exp2()
+}
