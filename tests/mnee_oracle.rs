@@ -3,11 +3,11 @@
 
 mod oracle;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{Affine3A, DMat2, DVec2, DVec3, Vec3};
 use nephroid::scene::shapes;
-use nephroid::scene::{Emitter, load};
+use nephroid::scene::{Emitter, Instance, load};
 use oracle::meshes::{self, AIR, Random, WATER};
-use oracle::{Light, Patch, Path, Query, Surface, all_paths, finite_difference, refract};
+use oracle::{Light, Patch, Path, Query, Surface, all_paths, finite_difference, fresnel_transmittance, refract};
 
 /// Newton's residual over the triangle's size; a root near a fold is worse by one over its R.
 const SAME_ROOT: f64 = 1e-7;
@@ -115,6 +115,16 @@ fn straight_below_a_lamp_r_is_the_square_of_the_reduced_distance() {
     close(paths[0].transmittance, 4.0 * WATER / (WATER + 1.0).powi(2), EXACT, "transmittance");
 }
 
+/// Brewster: nothing of one polarisation is reflected where both directions are at right angles. Stokes: both ways alike.
+#[test]
+fn transmittance_is_fresnels() {
+    let brewster = (WATER / AIR).atan();
+    let other = 1.0 - 0.5 * ((WATER.powi(2) - 1.0) / (WATER.powi(2) + 1.0)).powi(2);
+    close(fresnel_transmittance(brewster.cos(), AIR / WATER), other, EXACT, "at Brewster's angle");
+    close(fresnel_transmittance(brewster.sin(), WATER / AIR), other, EXACT, "at Brewster's angle from below");
+    assert_eq!(fresnel_transmittance(0.6, WATER / AIR), 0.0, "beyond the critical angle");
+}
+
 #[test]
 fn every_path_obeys_snell() {
     each(2, 60, |name, surface, query| {
@@ -158,6 +168,54 @@ fn planted_paths_are_found() {
             let nearest =
                 all_paths(&surface, &planted.query).iter().map(|p| p.point.distance(place)).fold(f64::MAX, f64::min);
             assert!(nearest < SAME_ROOT, "{name}: {nearest} m from {place}, triangle {}", planted.triangle);
+        }
+    }
+}
+
+#[test]
+fn a_path_through_an_edge_or_a_corner_is_found_once() {
+    let surface = Surface::of_mesh(&meshes::height_field(8, 16, 2.0, 0.5));
+    let random = &mut Random::new(8);
+    let mut asked = 0;
+    for _ in 0..600 {
+        let along = if random.below(3) == 0 { 0.0 } else { random.unit() };
+        let place = [DVec2::new(along, 0.0), DVec2::new(0.0, along), DVec2::new(along, 1.0 - along)][random.below(3)];
+        let triangle = random.below(surface.triangles.len());
+        let Some(query) = meshes::planted_at(random, &surface, triangle, place) else { continue };
+        let crossing = surface.patch(triangle).position(place);
+        let paths = all_paths(&surface, &query);
+        let here = paths.iter().filter(|path| path.point.distance(crossing) < SAME_ROOT).count();
+        assert_eq!(here, 1, "{place} of triangle {triangle}: {paths:?}");
+        asked += 1;
+    }
+    assert!(asked > 400, "{asked} paths asked for");
+}
+
+/// By a turn, a mirroring and a factor of two, all exact in f32: lengths double, R of a lamp is four times as large.
+#[test]
+fn a_placed_surface_has_the_placed_paths() {
+    let mesh = meshes::height_field(9, 24, 2.0, 0.5);
+    let surface = Surface::of_mesh(&mesh);
+    for mirrored in [-2.0, 2.0] {
+        let columns = [Vec3::Z * 2.0, Vec3::X * 2.0, Vec3::Y * mirrored];
+        let shift = Vec3::new(1.0, -2.0, 0.5);
+        let transform = Affine3A::from_cols(columns[0].into(), columns[1].into(), columns[2].into(), shift.into());
+        let [x, y, z] = columns.map(|column| column.as_dvec3());
+        let put = |p: DVec3| p.x * x + p.y * y + p.z * z + shift.as_dvec3();
+        let instance = Instance { name: String::new(), mesh: 0, material: 0, transform };
+        let placed = Surface::of_instance(&mesh, &instance);
+        for query in meshes::queries(9, &surface, 100) {
+            let Light::Point(light) = query.light else { continue };
+            let moved = Query { point: put(query.point), light: Light::Point(put(light)), ..query };
+            let (paths, others) = (all_paths(&surface, &query), all_paths(&placed, &moved));
+            assert_eq!(paths.len(), others.len(), "{query:?}");
+            for path in &paths {
+                let distance = |other: &&Path| other.point.distance(put(path.point));
+                let other = others.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+                assert!(distance(&other) < SAME_ROOT, "{path:?} {other:?}");
+                assert!((other.r - 4.0 * path.r).abs() < 1e-6 * (path.light_leg + path.point_leg).powi(2));
+                assert!(other.light_in_front == path.light_in_front && other.orientation == path.orientation);
+            }
         }
     }
 }

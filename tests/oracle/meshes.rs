@@ -167,33 +167,36 @@ pub struct Planted {
     pub barycentrics: DVec2,
 }
 
-/// Water behind the surface, air in front, and a ray of light sent through a random place. Every fourth ray comes in
-/// within six degrees of the shading normal's horizon; every third light is directional.
+/// A path through a random place of the surface.
 pub fn planted(random: &mut Random, surface: &Surface) -> Planted {
+    loop {
+        let (triangle, barycentrics) = (random.below(surface.triangles.len()), random.barycentrics());
+        if let Some(query) = planted_at(random, surface, triangle, barycentrics) {
+            return Planted { query, triangle, barycentrics };
+        }
+    }
+}
+
+/// Water behind the surface, air in front, and a ray of light sent through a place. Every fourth ray comes in within six
+/// degrees of the shading normal's horizon; every third light is directional. `None` where the face would have the ray
+/// on other sides than the shading normal has it.
+pub fn planted_at(random: &mut Random, surface: &Surface, triangle: usize, barycentrics: DVec2) -> Option<Query> {
     let [low, high] = surface.bounds();
     let size = (high - low).max_element();
-    loop {
-        let triangle = random.below(surface.triangles.len());
-        let barycentrics = random.barycentrics();
-        let patch = surface.patch(triangle);
-        let crossing = patch.position(barycentrics);
-        let normal = patch.normal(barycentrics).normalize();
-        let side = normal.cross(random.direction()).normalize();
-        let cosine = if random.below(4) == 0 { random.between(0.01, 0.1) } else { random.between(0.1, 1.0) };
-        let to_light = cosine * normal + (1.0 - cosine * cosine).sqrt() * side;
-        let to_point = refract(-to_light, normal, AIR / WATER).expect("no total reflection into water");
-        // A path that the face sees otherwise than the shading normal is none.
-        if to_light.dot(patch.geometric) < 0.005 || to_point.dot(patch.geometric) > -0.005 {
-            continue;
-        }
-        let point = crossing + size * 0.05 * 60f64.powf(random.unit()) * to_point;
-        let light = match random.below(3) {
-            0 => Light::Directional(-to_light),
-            _ => Light::Point(crossing + size * 0.1 * 50f64.powf(random.unit()) * to_light),
-        };
-        let query = Query { point, point_index: WATER, light, light_index: AIR };
-        return Planted { query, triangle, barycentrics };
-    }
+    let patch = surface.patch(triangle);
+    let crossing = patch.position(barycentrics);
+    let normal = patch.normal(barycentrics).normalize();
+    let side = normal.cross(random.direction()).normalize();
+    let cosine = if random.below(4) == 0 { random.between(0.01, 0.1) } else { random.between(0.1, 1.0) };
+    let to_light = cosine * normal + (1.0 - cosine * cosine).sqrt() * side;
+    let to_point = refract(-to_light, normal, AIR / WATER)?;
+    let point = crossing + size * 0.05 * 60f64.powf(random.unit()) * to_point;
+    let light = match random.below(3) {
+        0 => Light::Directional(-to_light),
+        _ => Light::Point(crossing + size * 0.1 * 50f64.powf(random.unit()) * to_light),
+    };
+    let through = to_light.dot(patch.geometric) > 0.005 && to_point.dot(patch.geometric) < -0.005;
+    through.then_some(Query { point, point_index: WATER, light, light_index: AIR })
 }
 
 /// Points in water behind the surface and lights in air before it, all f32: every second one has a path planted, in the
