@@ -7,7 +7,9 @@ use glam::{Affine3A, DMat2, DVec2, DVec3, Vec3};
 use nephroid::scene::shapes;
 use nephroid::scene::{Emitter, Instance, load};
 use oracle::meshes::{self, AIR, Random, WATER};
-use oracle::{Light, Patch, Path, Query, Surface, all_paths, finite_difference, fresnel_transmittance, refract};
+use oracle::{
+    Light, Patch, Path, Query, Surface, all_paths, finite_difference, fresnel_transmittance, on_start_curve, refract,
+};
 
 /// Newton's residual over the triangle's size; a root near a fold is worse by one over its R.
 const SAME_ROOT: f64 = 1e-7;
@@ -425,4 +427,34 @@ fn a_closed_ball_is_crossed_once_on_the_way_in() {
         assert!(surface.crossings(a, b, usize::MAX) % 2 == 1, "from {a} to {b}");
         assert!(surface.crossings(-b, b, usize::MAX).is_multiple_of(2), "from {} to {b}", -b);
     }
+}
+
+#[test]
+fn on_flat_water_the_walk_gets_to_the_path() {
+    let surface = Surface::of_mesh(&shapes::plane("flat", DVec3::ZERO, DVec2::splat(20.0), [80, 80]));
+    let point = DVec3::new(1.3, -2.0, 0.4);
+    let query = Query { point, point_index: WATER, light: Light::Point(DVec3::new(-2.1, 4.0, 1.7)), light_index: AIR };
+    assert_eq!(on_start_curve(&surface, &query, &all_paths(&surface, &query), 2), Some(vec![true]));
+    let sun = Query { light: Light::Directional(DVec3::new(-1.4, -1.0, 0.9).normalize()), ..query };
+    assert_eq!(on_start_curve(&surface, &sun, &all_paths(&surface, &sun), 2), Some(vec![true]));
+}
+
+#[test]
+fn steep_waves_have_paths_off_the_start_s_curve_however_finely_it_is_drawn() {
+    let surface = Surface::of_mesh(&meshes::height_field(5, 48, 4.0, 0.9));
+    let random = &mut Random::new(5);
+    let (mut reached, mut all, mut differ) = (0, 0, 0);
+    for _ in 0..30 {
+        let point = DVec3::new(random.between(-0.3, 0.3), random.between(-6.0, -3.0), random.between(-0.3, 0.3));
+        let light = Light::Point(DVec3::new(random.between(-0.3, 0.3), 6.0, random.between(-0.3, 0.3)));
+        let query = Query { point, point_index: WATER, light, light_index: AIR };
+        let paths = all_paths(&surface, &query);
+        let [coarse, fine] = [3, 6].map(|cuts| on_start_curve(&surface, &query, &paths, cuts).unwrap());
+        differ += coarse.iter().zip(&fine).filter(|(a, b)| a != b).count();
+        reached += fine.iter().filter(|&&on| on).count();
+        all += fine.len();
+    }
+    // 92 of 270, and none differs.
+    let expected = (all / 5..all / 2).contains(&reached) && differ * 20 < all;
+    assert!(expected, "{reached} of {all}, {differ} differ");
 }

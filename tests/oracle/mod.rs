@@ -5,12 +5,14 @@
 //! surfaces and questions to ask of them.
 #![allow(dead_code, unused_imports, reason = "each test binary uses its part")]
 
+mod curve;
 pub mod meshes;
 mod paths;
 mod roots;
 mod spread;
 mod surface;
 
+pub use curve::{on_start_curve, start};
 pub use paths::{Light, Path, Query, all_paths};
 pub use spread::{finite_difference, fresnel_transmittance, light_side, point_side, refract};
 pub use surface::{Patch, Surface};

@@ -87,8 +87,9 @@ impl Query {
 
 /// Every path, in no particular order.
 ///
-/// Point and light must be on opposite sides of both the triangle and the shading normal. Roots that are closer than
-/// 1e-8 of an edge are reported as one. Within 1e-6 of an edge of a fold, where two roots merge, one or both may be
+/// Point and light must be on opposite sides of both the triangle and the shading normal; which of them is in front is
+/// not asked, so a caller with media on fixed sides drops paths by [`Path::light_in_front`]. Roots that are closer than
+/// 1e-8 of an edge are reported as one. Closer to a fold than pairs of roots 1e-6 of an edge apart, one or both may be
 /// left out.
 pub fn all_paths(surface: &Surface, query: &Query) -> Vec<Path> {
     let mut paths: Vec<Path> = Vec::new();

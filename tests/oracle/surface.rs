@@ -137,18 +137,25 @@ impl Surface {
 
     /// How often the segment from `a` to `b` crosses triangles other than `except`.
     pub fn crossings(&self, a: DVec3, b: DVec3, except: usize) -> usize {
+        self.crossed(a, b).iter().filter(|(triangle, ..)| *triangle != except).count()
+    }
+
+    /// Triangles that the segment from `a` to `b` crosses, where along it (0 to 1), and where in space.
+    pub fn crossed(&self, a: DVec3, b: DVec3) -> Vec<(usize, f64, DVec3)> {
         let way = b - a;
         let near = |centre: DVec3, radius: f64, _, _| {
             let along = ((centre - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
             (a + along * way).distance(centre) <= radius * (1.0 + 1e-12)
         };
-        let crossed = |triangle: &usize| {
-            let patch = self.patch(*triangle);
+        let crossed = |triangle: usize| {
+            let patch = self.patch(triangle);
             let along = (patch.corner - a).dot(patch.geometric) / way.dot(patch.geometric);
-            let at = patch.weights(a + along * way - patch.corner);
-            (0.0..=1.0).contains(&along) && at.min_element() >= 0.0 && at.x + at.y <= 1.0
+            let place = a + along * way;
+            let at = patch.weights(place - patch.corner);
+            let inside = (0.0..=1.0).contains(&along) && at.min_element() >= 0.0 && at.x + at.y <= 1.0;
+            inside.then_some((triangle, along, place))
         };
-        self.candidates(near).iter().filter(|&&triangle| triangle != except).filter(|t| crossed(t)).count()
+        self.candidates(near).into_iter().filter_map(crossed).collect()
     }
 
     /// Triangles of all leaves that `keep(centre, radius, normal, normal radius)` holds true for, and for all above.
