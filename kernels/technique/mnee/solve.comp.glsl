@@ -1,9 +1,8 @@
 // Finds the zeros on the arcs that walks and seeds left, each once, and adds the light of those paths that nothing
 // blocks.
 #include "technique/mnee/walks.glsl"
-#include "technique/mnee/path.glsl"
+#include "technique/mnee/roots.glsl"
 #include "technique/mnee/zeros.glsl"
-#include "trace/interface.glsl"
 
 layout(set = 2, binding = 12, std430) buffer SampleIrradiance { vec4 sample_irradiance[]; };
 layout(push_constant) uniform SolvePush {
@@ -12,39 +11,6 @@ layout(push_constant) uniform SolvePush {
     uint light;
     uint one; // 1: the first path along the walk only
 } push;
-
-// Paths of one visible point and light that are told apart.
-const uint MAX_PATHS = 12u;
-
-struct Root {
-    vec3 at;
-    uint triangle;
-    vec2 place;
-};
-
-// Adds a root to those found so far unless it is there. Roots are the same if rounding, or the two triangles of an edge,
-// could have made one of the other.
-void keep(inout Root roots[MAX_PATHS], inout uint number, Root root, float size) {
-    float same = 1e-4 * size + 2e-6 * length(root.at);
-    for (uint i = 0u; i < number; i++) {
-        if (distance(roots[i].at, root.at) < same) {
-            // The lower triangle stays, whatever the order in which they were found.
-            if (root.triangle < roots[i].triangle) roots[i] = root;
-            count(COUNT_DUPLICATES, 1u);
-            return;
-        }
-    }
-    if (number == MAX_PATHS) {
-        count(COUNT_ARCS_DROPPED, 1u);
-        return;
-    }
-    roots[number++] = root;
-}
-
-bool comes_before(Root a, Root b) {
-    if (a.triangle != b.triangle) return a.triangle < b.triangle;
-    return a.place.x < b.place.x || (a.place.x == b.place.x && a.place.y < b.place.y);
-}
 
 void main() {
     uint item = linear_index();
@@ -88,18 +54,11 @@ void main() {
             }
             root.triangle = bracket.triangle;
             root.at = facet_point(facet, weights(root.place));
-            keep(roots, number, root, size);
+            keep(roots, number, root, 1e-4 * size + 2e-6 * length(root.at));
             if (push.one != 0u) break;
         }
     }
-    // Sums go by triangle, so that equal roots give equal bits.
-    for (uint i = 1u; i < number; i++) {
-        for (uint j = i; j > 0u && comes_before(roots[j], roots[j - 1u]); j--) {
-            Root root = roots[j];
-            roots[j] = roots[j - 1u];
-            roots[j - 1u] = root;
-        }
-    }
+    sort(roots, number);
     count(COUNT_ROOTS, number);
 
     // Each path's two segments, the second only if the first is free.
@@ -114,15 +73,8 @@ void main() {
             if (path.rejected != 0u) count(path.rejected, 1u);
         }
         if (path.rejected != 0u) continue;
-        vec3 surface = query.point + path.at;
-        float away = 2e-6 * max(path.reach, 1e-3); // as leave() in shared/surface.glsl
-        bool light_in_front = dot(path.to_light, path.geometric) > 0.0;
-        vec3 off = away * (light_in_front == to_light ? path.geometric : -path.geometric);
-        Ray ray = to_light ? Ray(surface + off, 0.0, path.to_light, path.light_distance)
-                           : Ray(query.point, 0.0, path.at + off, 1.0);
-        Hit hit = trace(ray, MASK_ALL, true);
-        if (hit.instance != NO_INSTANCE) {
-            path.rejected = instances[hit.instance].mask == MASK_SPECULAR ? COUNT_SECOND_CROSSING : COUNT_BLOCKED;
+        path.rejected = obstacle(trace(segment_of(query, path, to_light), MASK_ALL, true));
+        if (path.rejected != 0u) {
             count(path.rejected, 1u);
         } else if (to_light) {
             sum += path.irradiance;
