@@ -104,6 +104,8 @@ struct Arc {
     vec2 to;   // or the first and the last part
     bool round;
     bool pierced; // whether `from` is on the line PL
+    vec2 across;  // direction from the chord to the curve
+    float side;   // of the chord along `across` that the curve is on; 0 where it is all but straight
 };
 
 // Of the constraint as c + 2 g.x + x.H.x in barycentrics x: where the gradient vanishes, and H's three numbers.
@@ -131,15 +133,54 @@ bool ellipse_inside(Facet facet, out vec2 place) {
     return true;
 }
 
-// The zero nearest to s = 0 of c0 + c1 s + c2 s^2, with the nearest approach where there is none.
-float nearest_zero(float c0, float c1, float c2) {
-    float root = sqrt(max(c1 * c1 - 4.0 * c0 * c2, 0.0));
-    float q = c1 < 0.0 ? c1 - root : c1 + root;
-    return abs(q) > 1e-37 ? -2.0 * c0 / q : 0.0;
+// Sine of the angle between arc and chord at the arc's end, and part of a chord that it may be off, below which rounding
+// could have bent an arc to either side.
+const float STRAIGHT_ARC = 1e-3;
+
+// Sine of the angle to the chord that the direction across it has at least.
+const float LEAST_ACROSS = 0.02;
+
+// An arc that ends at a crossing.
+//
+// Points on it are found across the chord along its conjugate direction, that of the line through the middles of parallel
+// chords. A line in that direction meets each branch of a hyperbola once, however sharply it turns, and half of an ellipse
+// once. Where the arc is nearly straight the conjugate direction tends to the chord's own, and at right angles does as well.
+Arc arc_between(Facet facet, vec2 from, vec2 to, bool pierced) {
+    Arc arc = Arc(from, to, false, pierced, vec2(0.0), 0.0);
+    vec2 chord = to - from;
+    float length2 = dot(chord, chord);
+    vec3 bend;
+    centre_of(facet, bend);
+    vec2 normal = vec2(bend.x * chord.x + bend.y * chord.y, bend.y * chord.x + bend.z * chord.y);
+    float along = dot(normal, chord);
+    bool transverse = along * along > LEAST_ACROSS * LEAST_ACROSS * dot(normal, normal) * length2;
+    vec2 direction = transverse ? vec2(-normal.y, normal.x) * sign(along) : vec2(-chord.y, chord.x);
+    arc.across = direction * sqrt(length2 / max(dot(direction, direction), 1e-37));
+
+    // The curve comes to the crossing from inside the triangle, and being convex it stays on one side of the chord.
+    vec3 weight = weights(to);
+    vec3 gradient = form(facet, weight);
+    vec2 tangent = vec2(gradient.x - gradient.z, gradient.y - gradient.x);
+    float least = min(min(weight.x, weight.y), weight.z);
+    float inward = least == weight.x ? -tangent.x - tangent.y : least == weight.y ? tangent.x : tangent.y;
+    float turn = chord.x * tangent.y - chord.y * tangent.x;
+    if (turn * turn > STRAIGHT_ARC * STRAIGHT_ARC * length2 * dot(tangent, tangent)) {
+        arc.side = (inward < 0.0) == (turn < 0.0) ? 1.0 : -1.0;
+    }
+    return arc;
 }
 
-// Barycentrics of the arc's point at `part` in [0, 1]: above the chord's point, at right angles to the chord in the plane
-// of barycentrics. A conic's arc is convex, so each such line meets it once.
+// The zeros of c0 + c1 s + c2 s^2, the nearer to 0 first.
+vec2 zeros_of(float c0, float c1, float c2) {
+    float root = sqrt(max(c1 * c1 - 4.0 * c0 * c2, 0.0));
+    float q = -0.5 * (c1 < 0.0 ? c1 - root : c1 + root);
+    return vec2(abs(q) > 1e-37 ? c0 / q : 0.0, abs(c2) > 1e-37 ? q / c2 : 1e30);
+}
+
+// How far an arc may be from its chord, in chords. Four are an ellipse eight times as long as wide.
+const float MAX_BULGE = 4.0;
+
+// Barycentrics of the arc's point at `part` in [0, 1].
 vec2 arc_point(Facet facet, Arc arc, float part) {
     if (arc.round) {
         vec3 bend;
@@ -151,24 +192,29 @@ vec2 arc_point(Facet facet, Arc arc, float part) {
         float curvature = dot(turned, vec2(bend.x * turned.x + bend.y * turned.y, bend.y * turned.x + bend.z * turned.y));
         return centre + turned * (level * curvature < 0.0 ? sqrt(-level / curvature) : 1.0);
     }
-    vec2 chord = arc.to - arc.from;
-    vec2 across = vec2(-chord.y, chord.x);
-    vec3 base = weights(arc.from + part * chord);
-    vec3 step = vec3(-across.x - across.y, across);
+    vec2 base_place = mix(arc.from, arc.to, part);
+    vec3 base = weights(base_place);
+    vec3 step = vec3(-arc.across.x - arc.across.y, arc.across);
     vec3 gradient = form(facet, step);
-    float s = nearest_zero(constraint(facet, base), 2.0 * dot(base, gradient), dot(step, gradient));
-    // An arc that turns by less than half a turn stays within half a chord of the chord.
-    return arc.from + part * chord + across * clamp(s, -1.0, 1.0);
+    // Both ends are on the curve: of the constraint on the chord only this is left, without what rounding makes of the rest.
+    vec3 chord = weights(arc.to) - weights(arc.from);
+    float level = -part * (1.0 - part) * dot(chord, form(facet, chord));
+    vec2 zeros = zeros_of(level, 2.0 * dot(base, gradient), dot(step, gradient));
+    zeros = clamp(zeros, -MAX_BULGE, MAX_BULGE);
+    // More than half of an ellipse is on the far side.
+    vec2 far = base_place + arc.across * zeros.y;
+    bool far_inside = min(min(far.x, far.y), 1.0 - far.x - far.y) > 0.0;
+    bool other = zeros.x * arc.side < -STRAIGHT_ARC && zeros.y * arc.side > 0.0 && far_inside;
+    return other ? far : base_place + arc.across * zeros.x;
 }
 
-// How far a point of the curve is from an arc of it, in barycentrics.
-float distance_to(Facet facet, Arc arc, vec2 place) {
-    vec2 chord = arc.to - arc.from;
-    float part = clamp(dot(place - arc.from, chord) / max(dot(chord, chord), 1e-37), 0.0, 1.0);
-    return distance(arc_point(facet, arc, part), place);
-}
-
-// Whether a point of the curve is on an arc between two crossings, given how many crossings the triangle has.
+// Whether a point of the curve inside the triangle is on an arc between two crossings, given how many crossings there are:
+// it is on the boundary of the arc's convex region, and on the arc's side of the chord.
 bool on_arc(Facet facet, Arc arc, vec2 place, uint crossings) {
-    return crossings == 2u || distance_to(facet, arc, place) < 1e-3;
+    if (crossings == 2u) return true;
+    vec2 middle = 0.5 * (arc.from + arc.to);
+    if (!same_region(facet, weights(middle), weights(mix(place, middle, 0.05)))) return false;
+    vec2 chord = arc.to - arc.from;
+    vec2 way = place - arc.from;
+    return (chord.x * way.y - chord.y * way.x) * arc.side >= 0.0;
 }

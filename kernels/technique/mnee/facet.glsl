@@ -41,14 +41,16 @@ Facet facet_at(Query query, uvec3 corners) {
     return facet;
 }
 
+// How far outside of a triangle, in barycentrics, the line PL still counts as meeting it. A crossing so near to the line
+// is on either side of it by rounding alone; this way both triangles there take the line's own point instead.
+const float PIERCED_MARGIN = 1e-3;
+
 // Whether the line through P and L meets the triangle, and where. The curve goes through there, and the plane of P, L and M
 // is undefined there.
 bool is_pierced(Facet facet, out vec2 place) {
     float sum = facet.pierced.x + facet.pierced.y + facet.pierced.z;
     place = facet.pierced.yz / (abs(sum) > 1e-37 ? sum : 1e-37);
-    float least = min(min(facet.pierced.x, facet.pierced.y), facet.pierced.z);
-    float most = max(max(facet.pierced.x, facet.pierced.y), facet.pierced.z);
-    return least > 0.0 || most < 0.0;
+    return min(min(place.x, place.y), 1.0 - place.x - place.y) > -PIERCED_MARGIN;
 }
 
 vec3 facet_point(Facet facet, vec3 weight) {

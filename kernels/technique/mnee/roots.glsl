@@ -3,7 +3,7 @@
 #include "trace/interface.glsl"
 
 // Paths of one visible point and light that are told apart.
-const uint MAX_PATHS = 12u;
+const uint MAX_PATHS = 24u;
 
 struct Root {
     vec3 at; // M - P

@@ -40,7 +40,7 @@ void main() {
         }
         Bracket bracket = brackets[item * MAX_BRACKETS + pick];
         Facet facet = facet_at(query, specular_triangles[bracket.triangle].corner);
-        Arc arc = arc_of(bracket);
+        Arc arc = arc_of(facet, bracket);
         float size = distance(facet.at[0], facet.at[1]);
         Interval intervals[MAX_INTERVALS];
         bool point_only = (bracket.steps & ARC_POINT) != 0u;

@@ -60,15 +60,12 @@ void start_walks(Query query, uint item, uint triangle, vec2 start) {
     }
     uint first = 0u;
     uint second = 1u;
-    float nearest = 1e30;
     for (uint i = 0u; crossings.count > 2u && i < crossings.count; i++) {
         uint other = partner(facet, crossings, i);
         if (other < i) continue;
         vec2 from = boundary_barycentrics(crossings.place[i]);
         vec2 to = boundary_barycentrics(crossings.place[other]);
-        float distance = distance_to(facet, Arc(from, to, false, false), start);
-        if (distance < nearest) {
-            nearest = distance;
+        if (on_arc(facet, arc_between(facet, from, to, false), start, crossings.count)) {
             first = i;
             second = other;
         }

@@ -7,7 +7,7 @@
 #include "technique/mnee/counters.glsl"
 
 // Arcs that a pixel layer keeps for the solver, from all its walks and seeds.
-const uint MAX_BRACKETS = 16u;
+const uint MAX_BRACKETS = 32u;
 
 // One direction of a walk, between two triangles.
 struct Walk {
@@ -102,8 +102,10 @@ bool may_vanish(Query query, float before, float after, vec3 at_before, vec3 at_
     return abs(before) + abs(after) < reach;
 }
 
-Arc arc_of(Bracket bracket) {
-    return Arc(bracket.from, bracket.to, (bracket.steps & ARC_ROUND) != 0u, (bracket.steps & ARC_PIERCED) != 0u);
+Arc arc_of(Facet facet, Bracket bracket) {
+    bool pierced = (bracket.steps & ARC_PIERCED) != 0u;
+    if ((bracket.steps & ARC_ROUND) != 0u) return Arc(bracket.from, bracket.to, true, pierced, vec2(0.0), 0.0);
+    return arc_between(facet, bracket.from, bracket.to, pierced);
 }
 
 // An ellipse inside a triangle, in quarters: between one look and the next the objective turns less.
@@ -116,9 +118,11 @@ void append_round(uint item, uint triangle, vec2 from, bool pierced) {
 
 // Hands on what is between the point where the line PL meets the triangle and a crossing, if it may hold a zero.
 void append_pierced(Query query, uint item, Facet facet, uint triangle, vec2 from, vec2 to, uint steps) {
+    // The other triangle at the crossing is pierced too, to within the margin, and has the rest.
+    if (distance(from, to) < PIERCED_MARGIN) return;
     Bracket bracket = Bracket(from, to, triangle, steps | ARC_PIERCED);
     vec2 near;
-    float before = objective_on(query, facet, arc_of(bracket), 0.0, near);
+    float before = objective_on(query, facet, arc_of(facet, bracket), 0.0, near);
     vec3 at = facet_point(facet, weights(to));
     vec3 normal = facet_normal(facet, weights(to));
     float after = objective_at(query, at, normal);
@@ -144,7 +148,7 @@ void append_straight(Query query, uint item, Facet facet, uint triangle, vec2 pl
 // Hands on the arc between two crossings, if it may hold a zero; in two parts where the line PL meets it.
 void append_arc(Query query, uint item, Facet facet, uint triangle, vec2 from, vec2 to, uint crossings, uint steps) {
     vec2 pierced;
-    if (is_pierced(facet, pierced) && on_arc(facet, Arc(from, to, false, false), pierced, crossings)) {
+    if (is_pierced(facet, pierced) && on_arc(facet, arc_between(facet, from, to, false), pierced, crossings)) {
         append_straight(query, item, facet, triangle, pierced, steps);
         append_pierced(query, item, facet, triangle, pierced, from, steps);
         append_pierced(query, item, facet, triangle, pierced, to, steps);

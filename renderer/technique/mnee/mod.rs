@@ -41,13 +41,13 @@ enum Search {
 }
 
 /// Pixel layers that are worked on together: bounds the memory for walks and arcs.
-const CHUNK: u32 = 1 << 17;
+const CHUNK: u32 = 1 << 16;
 /// Walks a chunk has room for: two a start, and some points have several starts.
 const WALK_CAPACITY: u32 = 3 * CHUNK;
 /// Triangles that a walk may cross in each round. Few at first, since most walks are short; no walk goes beyond the sum.
 const ROUND_STEPS: [u32; 9] = [12, 12, 24, 48, 96, 192, 384, 768, 1536];
 /// Arcs a pixel layer keeps, as in `walks.glsl`.
-const MAX_BRACKETS: u64 = 16;
+const MAX_BRACKETS: u64 = 32;
 
 /// What `start` finds: nothing; arcs that may do; arcs that walks are to add to.
 const SEEDED_NOT: u32 = 0;
