@@ -87,12 +87,13 @@ impl Film {
         &self.sample_irradiance
     }
 
-    /// The band's layers after `samples` samples: means over the samples.
-    pub fn read(&self, samples: u32) -> Result<FilmRows, GpuError> {
+    /// The band's layers: means over each pixel's samples.
+    pub fn read(&self, samples: &SampleCounts) -> Result<FilmRows, GpuError> {
         let pixels = self.pixels() as usize;
-        let scale = 1.0 / samples.max(1) as f32;
-        let mean =
-            |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> { values.into_iter().map(|v| v.map(|x| x * scale)).collect() };
+        let mean = |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> {
+            let scale = |index: usize| 1.0 / samples.of(index % pixels).max(1) as f32;
+            values.into_iter().enumerate().map(|(index, v)| v.map(|x| x * scale(index))).collect()
+        };
         Ok(FilmRows {
             direct: mean(self.direct.read(pixels * VISIBLE_LAYERS as usize)?),
             caustic: self.caustic.read(pixels * VISIBLE_LAYERS as usize)?,
@@ -106,21 +107,48 @@ impl Film {
         Ok(self.counters.read(1)?.first().copied().unwrap_or_default())
     }
 
-    /// Relative noise of the caustic irradiance, estimated from two halves of the `samples`, `second` of which are in
-    /// the second: RMS difference of the halves' pictures over twice the mean. `None` before both halves have samples.
-    pub fn noise(&self, samples: u32, second: u32) -> Result<Option<f32>, GpuError> {
-        if second == 0 || second >= samples {
-            return Ok(None);
-        }
+    /// Relative noise of the caustic irradiance, estimated from two halves of each pixel's samples: RMS difference of the
+    /// halves' pictures over twice the mean. `second` tells how many of a pixel's samples are in the second half. `None`
+    /// before both halves of every pixel have samples.
+    pub fn noise(&self, samples: &SampleCounts, second: impl Fn(u32) -> Option<u32>) -> Result<Option<f32>, GpuError> {
+        let part = |count: u32| {
+            let second = second(count).filter(|&second| second > 0 && second < count)?;
+            Some(f64::from(second) / f64::from(count))
+        };
+        let parts: Option<Vec<f64>> = match samples {
+            SampleCounts::Same(count) => part(*count).map(|part| vec![part]),
+            SampleCounts::Each(counts) => counts.iter().map(|&count| part(count)).collect(),
+        };
+        let Some(parts) = parts.filter(|parts| !parts.is_empty()) else { return Ok(None) };
         let values: Vec<[f32; 4]> = self.irradiance.read(self.pixels() as usize)?;
-        Ok(relative_noise(&values, f64::from(second) / f64::from(samples)))
+        Ok(relative_noise(&values, &parts))
     }
 }
 
-/// Irradiance in rgb; in w what the second half, `part` of the samples, contributes to its mean over the channels.
-fn relative_noise(values: &[[f32; 4]], part: f64) -> Option<f32> {
+/// How many samples pixels have.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SampleCounts {
+    /// All the same number.
+    Same(u32),
+    /// Each its own, row by row.
+    Each(Vec<u32>),
+}
+
+impl SampleCounts {
+    /// Samples of the pixel with that index in the band.
+    pub fn of(&self, pixel: usize) -> u32 {
+        match self {
+            SampleCounts::Same(count) => *count,
+            SampleCounts::Each(counts) => counts.get(pixel).copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// Irradiance in rgb; in w what the second half contributes to its mean over the channels. `parts`: of the samples, which
+/// part is in the second half; one for all pixels or one each.
+fn relative_noise(values: &[[f32; 4]], parts: &[f64]) -> Option<f32> {
     let (mut sum, mut squares) = (0.0f64, 0.0f64);
-    for &[r, g, b, second] in values {
+    for (&[r, g, b, second], part) in values.iter().zip(parts.iter().cycle()) {
         let mean = f64::from(r + g + b) / 3.0;
         let difference = f64::from(second) / part - (mean - f64::from(second)) / (1.0 - part);
         sum += mean;
@@ -204,7 +232,7 @@ mod tests {
                 [1.0, 1.0, 1.0, odd / 2.0]
             })
             .collect();
-        let noise = relative_noise(&pixels, 0.5).unwrap();
+        let noise = relative_noise(&pixels, &[0.5]).unwrap();
         assert!((noise - e).abs() < 1e-6, "{noise}");
     }
 }

@@ -1,7 +1,8 @@
 //! One frame, top to bottom: visibility -> walk to the visible diffuse points -> direct light. What the technique adds
 //! comes after, and `film` composes.
 
-use crate::film::Film;
+use crate::adaptive::{Adaptive, RoundSample};
+use crate::film::{Film, SampleCounts};
 use crate::gpu::{Bindings, Buffer, Capability, Device, GpuError, Kernel, Raster, RasterTargets, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::random;
@@ -35,7 +36,7 @@ crate::gpu_struct! {
     pub struct Sample {
         pub jitter: [f32; 2],
         pub index: u32,
-        pub padding0: u32,
+        pub listed: u32,
     }
 }
 
@@ -46,6 +47,15 @@ crate::gpu_struct! {
         pub instance: u32,
         pub padding0: u32,
     }
+}
+
+/// How samples are spread over pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// Every sample is one of each pixel.
+    Uniform,
+    /// This many samples a pixel in the mean, where pixels vary; for per-sample techniques only.
+    Adaptive { samples: u32 },
 }
 
 /// How the first surface of each pixel is found.
@@ -59,6 +69,7 @@ pub struct Frame {
     /// Scene, tracer, view, visible points and film: what a technique's kernels see.
     pub bindings: Bindings,
     pub film: Film,
+    adaptive: Option<Adaptive>,
     visibility: Visibility,
     primary_ids: Buffer,
     walk: Kernel,
@@ -69,15 +80,27 @@ pub struct Frame {
 }
 
 impl Frame {
-    pub fn new(device: &Device, scene: &GpuScene, tracer: &Tracer, view: &View) -> Result<Self, GpuError> {
+    pub fn new(
+        device: &Device,
+        scene: &GpuScene,
+        tracer: &Tracer,
+        view: &View,
+        sampling: Sampling,
+    ) -> Result<Self, GpuError> {
         let band = Band { first: view.first_row, count: view.rows };
         let film = Film::new(device, view.width, band)?;
         let pixels = u64::from(film.pixels());
         let points = crate::film::VISIBLE_LAYERS * pixels;
+        let adaptive = match sampling {
+            Sampling::Uniform => None,
+            Sampling::Adaptive { samples } => Some(Adaptive::new(device, &film, view.width, samples)?),
+        };
+        let listed = if adaptive.is_some() { pixels } else { 0 };
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
         let variant = tracer.backend.variant();
         let fits = view.width.max(view.rows) <= device.info.limits.target_side;
-        let visibility = if device.has(Capability::PreciseRaster) && fits {
+        // The raster shifts its projection as a whole, and adaptive samples each have a pixel and a place of their own.
+        let visibility = if device.has(Capability::PreciseRaster) && fits && adaptive.is_none() {
             let targets = RasterTargets::ids(device, "visibility", view.width, view.rows)?;
             Visibility::Raster { raster: Raster::new(device, "frame/visibility", &targets)?, targets }
         } else {
@@ -90,6 +113,7 @@ impl Frame {
             .and(&film.bindings)
             .buffer("Views", &Buffer::from_slice(device, "view", &[*view])?)
             .buffer("PrimaryIds", &primary_ids)
+            .buffer("RoundSamples", &Buffer::new(device, "round samples", listed * size_of::<RoundSample>() as u64)?)
             .buffer("VisiblePoints", &Buffer::new(device, "visible points", points * size_of::<VisiblePoint>() as u64)?)
             .buffer(
                 "VisibleShades",
@@ -98,6 +122,7 @@ impl Frame {
         Ok(Frame {
             bindings,
             film,
+            adaptive,
             visibility,
             primary_ids,
             walk: Kernel::new(device, "frame/walk", variant)?,
@@ -116,18 +141,39 @@ impl Frame {
         }
     }
 
-    /// Pixel layers: what a technique's kernels that work on visible points are dispatched over.
+    /// Slots of visible points: what a technique's kernels that work on them are dispatched over, the same in every
+    /// sample. Layer after layer; which pixel a slot belongs to is nothing that a technique may count on, see
+    /// [`crate::adaptive`].
     pub fn slots(&self) -> u32 {
         self.film.pixels() * crate::film::VISIBLE_LAYERS as u32
     }
 
+    /// Samples of each pixel after `done` samples of the picture.
+    pub fn sample_counts(&self, done: u32) -> SampleCounts {
+        self.adaptive.as_ref().map_or(SampleCounts::Same(done), |adaptive| adaptive.counts(done))
+    }
+
+    /// Where sampling is adaptive, how.
+    pub fn adaptive(&self) -> Option<&Adaptive> {
+        self.adaptive.as_ref()
+    }
+
     /// Records sample `index`: afterwards the visible points are those of this sample, and the film holds its direct
-    /// light.
-    pub fn record(&self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
+    /// light; where sampling is adaptive, the film holds it after [`record_caustic`](Self::record_caustic).
+    ///
+    /// # Errors
+    /// Those of the device. After an adaptive pilot the host reads back how much pixels vary.
+    pub fn record(&mut self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         // One jitter for all pixels: the raster can shift its projection only as a whole. Each pixel sees the whole
         // (0,2)-sequence all the same.
-        let sample = Sample { jitter: random::sample_2d(index, self.seed), index, padding0: 0 };
-        let bindings = [&self.bindings];
+        let listed = self.adaptive.is_some().into();
+        let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.record_list(recorder, &self.bindings, index)?;
+        }
+        // Names are looked up from the left: adaptive rounds have a film of their own.
+        let round = self.adaptive.as_ref().map(Adaptive::round_bindings);
+        let bindings: Vec<&Bindings> = round.into_iter().chain([&self.bindings]).collect();
         match &self.visibility {
             Visibility::Raster { raster, targets } => {
                 let items: Vec<_> = self
@@ -146,11 +192,15 @@ impl Frame {
         recorder.pass("frame/direct")?.dispatch(&self.direct, &bindings, &(), self.slots())?;
         Ok(())
     }
+
     /// Records how sample `index` of a per-sample technique enters the film: the technique has filled the block
     /// `SampleIrradiance` for every slot that has a visible point. Afterwards the film's caustic layers are the means of
     /// the samples up to this one; odd samples are the half that is kept apart.
     pub fn record_caustic(&self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
-        let sample = Sample { jitter: [0.0; 2], index, padding0: 0 };
+        if let Some(adaptive) = &self.adaptive {
+            return adaptive.record_merge(recorder, &self.bindings, index);
+        }
+        let sample = Sample { jitter: [0.0; 2], index, listed: 0 };
         let bindings = [&self.bindings];
         recorder.pass("frame/accumulate")?.dispatch(&self.accumulate, &bindings, &sample, self.slots())?;
         Ok(())

@@ -1,7 +1,7 @@
 //! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
 
 use crate::gpu::{GpuStruct, Layout};
-use crate::{film, frame, gpu_scene, technique, trace, view};
+use crate::{adaptive, film, frame, gpu_scene, technique, trace, view};
 
 /// All of them.
 pub fn layouts() -> Vec<Layout> {
@@ -13,6 +13,9 @@ pub fn layouts() -> Vec<Layout> {
         gpu_scene::records::Light::LAYOUT,
         gpu_scene::records::Texture::LAYOUT,
         view::View::LAYOUT,
+        adaptive::RoundSample::LAYOUT,
+        adaptive::PixelPlan::LAYOUT,
+        adaptive::RoundPush::LAYOUT,
         film::FrameCounters::LAYOUT,
         frame::VisiblePoint::LAYOUT,
         frame::VisibleShade::LAYOUT,

@@ -3,6 +3,7 @@
 //! Data flows one way: [`scene`] -> [`gpu_scene`] -> [`view`] -> [`frame`] and [`technique`] -> [`film`] -> [`image`];
 //! [`render`] puts them in order.
 
+pub mod adaptive;
 pub mod commands;
 pub mod film;
 pub mod frame;

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use crate::adaptive::AdaptiveStats;
 use crate::film::{self, FilmRows, LARGEST_BYTES_PER_PIXEL};
-use crate::frame::Frame;
+use crate::frame::{Frame, Sampling};
 use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::image::{LayeredImage, RenderInfo};
@@ -28,6 +29,8 @@ pub struct RenderSettings {
     pub size: Option<(u32, u32)>,
     /// Samples a pixel; the scene's film if `None`.
     pub samples: Option<u32>,
+    /// Spend the samples where pixels vary; `samples` is then their mean number.
+    pub adaptive: bool,
     pub seed: u32,
     /// `technique.key=value`.
     pub set: Vec<String>,
@@ -48,6 +51,10 @@ pub enum RenderError {
     Size { width: u32, height: u32 },
     #[error("{found} samples were asked for; at least 1 is needed")]
     Samples { found: u32 },
+    #[error(
+        "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} does not"
+    )]
+    NotAdaptive { technique: &'static str },
 }
 
 /// How far a render is.
@@ -79,6 +86,7 @@ pub struct Renderer {
     camera: Camera,
     size: (u32, u32),
     samples: u32,
+    sampling: Sampling,
     seed: u32,
     bands: Vec<BandState>,
     done: u32,
@@ -102,6 +110,10 @@ impl Renderer {
         if samples == 0 {
             return Err(RenderError::Samples { found: samples });
         }
+        if settings.adaptive && !settings.technique.per_sample() {
+            return Err(RenderError::NotAdaptive { technique: settings.technique.name() });
+        }
+        let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
         let technique_settings = Settings::parse(settings.technique, &settings.set)?;
         let device = Device::open(&settings.device)?;
         let gpu_scene = GpuScene::new(&device, &scene)?;
@@ -117,6 +129,7 @@ impl Renderer {
             camera,
             size,
             samples,
+            sampling,
             seed: settings.seed,
             bands: Vec::new(),
             done: 0,
@@ -150,7 +163,7 @@ impl Renderer {
             lights: self.scene.lights.len() as u32,
             ..View::new(&self.camera, &self.scene.film, self.size, band)
         };
-        let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view)?;
+        let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
         let context =
             Context { device: &self.device, scene: &self.scene, tracer: &self.tracer, frame: &frame, seed: self.seed };
         let technique = technique::create(self.technique_kind, &self.settings, &context)?;
@@ -200,16 +213,13 @@ impl Renderer {
     /// The first band's noise stands for the picture's.
     fn noise(&self) -> Result<Option<f32>, GpuError> {
         let Some(BandState { frame, technique: Some(technique) }) = self.bands.first() else { return Ok(None) };
-        match technique.second_half(self.done) {
-            Some(second) => frame.film.noise(self.done, second),
-            None => Ok(None),
-        }
+        frame.film.noise(&frame.sample_counts(self.done), |samples| technique.second_half(samples))
     }
 
     /// The picture of the samples so far.
     pub fn finish(&self) -> Result<Picture, RenderError> {
-        let rows =
-            self.bands.iter().map(|band| band.frame.film.read(self.done)).collect::<Result<Vec<FilmRows>, _>>()?;
+        let read = |band: &BandState| band.frame.film.read(&band.frame.sample_counts(self.done));
+        let rows = self.bands.iter().map(read).collect::<Result<Vec<FilmRows>, _>>()?;
         let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
         image.attributes = RenderInfo {
             scene: self.scene.path.display().to_string(),
@@ -234,6 +244,7 @@ impl Renderer {
             width: self.size.0,
             height: self.size.1,
             samples: self.done,
+            adaptive: self.adaptive(),
             seed: self.seed,
             device: info.name.clone(),
             driver: info.driver.clone(),
@@ -252,6 +263,11 @@ impl Renderer {
             noise: self.noise()?,
             warnings: self.warnings()?,
         })
+    }
+
+    fn adaptive(&self) -> Option<AdaptiveStats> {
+        let bands: Option<Vec<_>> = self.bands.iter().map(|band| band.frame.adaptive()).collect();
+        AdaptiveStats::new(&bands?, self.done)
     }
 
     /// Every band sends the same photons, so the first band's ledger is the picture's.

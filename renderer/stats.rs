@@ -1,5 +1,6 @@
 //! What `--stats` writes: what was used, what it took, and where the light went.
 
+use crate::adaptive::AdaptiveStats;
 use crate::gpu::{Capabilities, PassTime};
 use crate::technique::{CounterEntry, LedgerEntry};
 
@@ -13,8 +14,10 @@ pub struct Stats {
     pub settings: Vec<(String, String)>,
     pub width: u32,
     pub height: u32,
-    /// Samples rendered.
+    /// Samples rendered; of a pixel, or in the mean over pixels where sampling is adaptive.
     pub samples: u32,
+    /// How samples were spread over pixels, where that was adaptive.
+    pub adaptive: Option<AdaptiveStats>,
     pub seed: u32,
     pub device: String,
     pub driver: String,

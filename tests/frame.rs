@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid, layer};
-use nephroid::film;
-use nephroid::frame::Frame;
+use nephroid::film::{self, SampleCounts};
+use nephroid::frame::{Frame, Sampling};
 use nephroid::gpu::{Bindings, Buffer, Capability, Kernel, Recorder};
 use nephroid::gpu_scene::GpuScene;
 use nephroid::image::LayeredImage;
@@ -329,7 +329,7 @@ fn caustic_mean(request: &Request) {
     let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
     let band = Band { first: 0, count: 3 };
     let view = View::new(&scene.cameras[0], &scene.film, (4, 3), band);
-    let frame = Frame::new(&device, &gpu_scene, &tracer, &view).unwrap();
+    let mut frame = Frame::new(&device, &gpu_scene, &tracer, &view, Sampling::Uniform).unwrap();
     for (index, value) in (0u32..).zip(found) {
         let mut recorder = Recorder::new(&device).unwrap();
         frame.record(&mut recorder, index).unwrap();
@@ -337,7 +337,7 @@ fn caustic_mean(request: &Request) {
         frame.record_caustic(&mut recorder, index).unwrap();
         recorder.submit().unwrap();
     }
-    let image = film::assemble(4, 3, &[frame.film.read(4).unwrap()]);
+    let image = film::assemble(4, 3, &[frame.film.read(&SampleCounts::Same(4)).unwrap()]);
     // No lights: radiance is the caustic's alone, and only the first layer has points.
     for (layer_name, expected) in
         [("caustic", mean), ("refracted", mean * 0.5 / std::f32::consts::PI), ("reflected", 0.0)]
@@ -348,7 +348,7 @@ fn caustic_mean(request: &Request) {
     }
     assert_eq!(frame.film.counters().unwrap().non_finite, 12, "one a pixel, in the layer that has points");
     // Odd samples: 2 and 4, mean 3; even: 1 and 0, mean 1/2. Half their difference over the mean of all.
-    let noise = frame.film.noise(4, 2).unwrap().unwrap();
+    let noise = frame.film.noise(&SampleCounts::Same(4), |n| Some(n / 2)).unwrap().unwrap();
     assert!((noise - (3.0 - 0.5) / 2.0 / mean).abs() < CLOSED_FORM, "{noise}");
     assert_valid(&device);
 }

@@ -7,6 +7,7 @@
 #include "shared/view.glsl"
 #include "shared/visible.glsl"
 #include "shared/film.glsl"
+#include "shared/round.glsl"
 #include "trace/interface.glsl"
 
 layout(set = 2, binding = 1, std430) readonly buffer PrimaryIds { uvec2 primary_ids[]; };
@@ -60,13 +61,16 @@ void main() {
     uint slot = linear_index();
     uint pixels = view.width * view.rows;
     if (slot >= pixels * VISIBLE_LAYERS) return;
-    uint pixel = slot % pixels;
+    uint place = slot % pixels;
+    RoundSample at = RoundSample(place, frame.index, frame.jitter);
+    if (frame.listed != 0u) at = round_samples[place];
+    uint pixel = at.pixel;
     bool reflected_layer = slot >= pixels;
     uint seed = combine(combine(view.seed, pixel + view.first_row * view.width), reflected_layer ? 1u : 0u);
 
     vec3 origin = view.position;
-    vec3 direction = normalize(pixel_direction(uvec2(pixel % view.width, pixel / view.width), frame.jitter));
-    uvec2 ids = primary_ids[pixel];
+    vec3 direction = normalize(pixel_direction(uvec2(pixel % view.width, pixel / view.width), at.jitter));
+    uvec2 ids = primary_ids[place];
     uint instance = ids.x - 1u; // wraps to NO_INSTANCE where nothing is seen
     uint primitive = ids.y;
     vec2 barycentrics = vec2(0.0);
@@ -123,7 +127,7 @@ void main() {
                 if (reflected_layer) collected = vec3(0.0);
                 throughput *= reflects ? i.reflectance : 1.0 - i.reflectance;
             } else {
-                reflects = sample_1d(frame.index, combine(seed, events)) < i.reflectance;
+                reflects = sample_1d(at.index, combine(seed, events)) < i.reflectance;
             }
             if (reflects) {
                 direction = reflected(i, direction);
@@ -141,7 +145,7 @@ void main() {
         } else {
             collected += throughput * highlights(s, direction, medium);
             vec3 weight;
-            direction = reflect_rough(s, direction, sample_2d(frame.index, combine(seed, events)), weight);
+            direction = reflect_rough(s, direction, sample_2d(at.index, combine(seed, events)), weight);
             throughput *= weight;
             if (mean(weight) <= 0.0) break;
         }

@@ -23,7 +23,7 @@ layout(set = 2, binding = 0, std430) readonly buffer Views { View view; };
 struct Sample {
     vec2 jitter; // position in the pixel, [0, 1)^2, the same for all pixels so that raster and rays agree
     uint index;
-    uint padding0;
+    uint listed; // 1: the round's list says what is sampled, and the two above do not count
 };
 
 // Not normalised: its component along `forward` is 1.

@@ -43,6 +43,15 @@ impl TechniqueKind {
         })
     }
 
+    /// Whether it finds the light at each sample's visible points from that sample alone and calls
+    /// [`Frame::record_caustic`]: what adaptive sampling needs.
+    pub fn per_sample(self) -> bool {
+        match self {
+            TechniqueKind::None | TechniqueKind::Reference => false,
+            TechniqueKind::Mnee => true,
+        }
+    }
+
     /// What `--set` can tell it.
     pub fn settings(self) -> &'static [Setting] {
         match self {

@@ -88,6 +88,13 @@ fn unknown_names() {
     let sentence = "scene.toml has no camera \"side\"; it has: above, under";
     fails("scene.toml -o kept.exr --camera side", sentence);
 
+    for technique in ["none", "reference"] {
+        let sentence = format!(
+            "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} does not"
+        );
+        fails(&format!("scene.toml -o kept.exr --technique {technique} --adaptive"), &sentence);
+    }
+
     let folder = Folder::new();
     let names = folder.device_names();
     let found: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} {name}")).collect();

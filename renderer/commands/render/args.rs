@@ -46,6 +46,9 @@ pub struct RenderArgs {
     /// Samples a pixel, 1 to 1000000 [default: the scene's]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
     pub samples: Option<u32>,
+    /// Spend the samples where pixels vary; --samples is then their mean number
+    #[arg(long)]
+    pub adaptive: bool,
     /// Equal seeds give equal bits on the same device
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u32,
@@ -91,6 +94,7 @@ impl RenderArgs {
             camera: self.camera.clone(),
             size: self.size,
             samples: self.samples,
+            adaptive: self.adaptive,
             seed: self.seed,
             set: self.set.clone(),
         }
