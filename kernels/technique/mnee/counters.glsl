@@ -20,7 +20,11 @@ const uint COUNT_NON_FINITE = 17u;
 const uint COUNT_PATHS = 18u;            // that carried light
 const uint COUNT_SEEDS = 19u;            // triangles tried apart from walks
 const uint COUNT_DUPLICATES = 20u;       // roots found again
-const uint LONGEST_WALK = 42u;           // after the counters: one word, triangles
+const uint COUNT_TRIALS = 21u;           // starts of Newton's method
+const uint COUNT_PROJECTIONS = 22u;      // its steps
+const uint COUNT_NOT_CONVERGED = 23u;    // trials that came to no root
+const uint COUNT_TRIALS_CAPPED = 24u;    // paths that the last trial allowed had not found again
+const uint LONGEST_WALK = 50u;           // after the counters: one word, triangles
 
 layout(set = 3, binding = 8, std430) buffer MneeCounters { uint mnee_counters[]; };
 

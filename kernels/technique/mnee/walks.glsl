@@ -1,8 +1,5 @@
 // Walks along the curve, and the arcs that they leave for the solver. Work is done in chunks of pixel layers.
-#include "shared/index.glsl"
-#include "shared/optics.glsl"
-#include "shared/view.glsl"
-#include "shared/visible.glsl"
+#include "technique/mnee/query.glsl"
 #include "technique/mnee/zeros.glsl"
 #include "technique/mnee/counters.glsl"
 
@@ -46,7 +43,6 @@ struct Round {
     uint walks;
 };
 
-layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 3, binding = 3, std430) buffer Walks { Walk walks[]; };
 layout(set = 3, binding = 4, std430) buffer Rounds { Round rounds[]; };
 layout(set = 3, binding = 5, std430) buffer WalkLists { uint walk_lists[]; }; // two, for even and odd rounds
@@ -55,16 +51,6 @@ layout(set = 3, binding = 7, std430) buffer BracketCounts { uint bracket_counts[
 
 // In a layer's count of arcs: on one of them the objective changes its sign.
 const uint CERTAIN = 0x80000000u;
-
-Query query_at(VisiblePoint point, Light light) {
-    Query query;
-    query.point = point.position;
-    query.directional = light.kind == LIGHT_DIRECTIONAL;
-    query.light = query.directional ? -light.direction : light.position - point.position;
-    query.point_index = media[point.medium].index;
-    query.light_index = media[light.medium].index;
-    return query;
-}
 
 // Has round `round` go on with `walk`. The capacity is that of one of the two lists.
 bool append_walk(uint round, uint walk, uint capacity) {

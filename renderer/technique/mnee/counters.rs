@@ -4,7 +4,7 @@ use crate::gpu::{Buffer, GpuError};
 use crate::technique::CounterEntry;
 
 /// In the order of `kernels/technique/mnee/counters.glsl`.
-pub const NAMES: [&str; 21] = [
+pub const NAMES: [&str; 25] = [
     "points",
     "starts",
     "triangles_crossed",
@@ -26,6 +26,10 @@ pub const NAMES: [&str; 21] = [
     "paths",
     "seeds",
     "duplicates",
+    "trials",
+    "projections",
+    "trials_not_converged",
+    "trials_capped",
 ];
 
 /// Words of the buffer: two a counter, and the longest walk.

@@ -3,12 +3,14 @@
 
 mod counters;
 mod footprints;
+mod newton;
 mod surface;
 
 use super::{Context, CounterEntry, LedgerEntry, Setting, SettingKind, Settings, Technique};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use footprints::Footprints;
+use newton::Newton;
 use surface::SpecularSurface;
 
 pub const SETTINGS: &[Setting] = &[
@@ -17,7 +19,7 @@ pub const SETTINGS: &[Setting] = &[
         kind: SettingKind::Choice(&["all", "one"]),
         default: "all",
         unit: "",
-        help: "Every path from a point to a light; or the first along the walk, as the paper has it",
+        help: "Every path from a point to a light; or the first along the walk, as the paper has it; for solver=walk",
     },
     Setting {
         key: "search",
@@ -25,7 +27,24 @@ pub const SETTINGS: &[Setting] = &[
         default: "footprints",
         unit: "",
         help: "Where all paths are looked for: on triangles whose light may land at the point, with a walk where that \
-               finds nothing; along the curve from the start alone; or both everywhere",
+               finds nothing; along the curve from the start alone; or both everywhere; for solver=walk",
+    },
+    Setting {
+        key: "solver",
+        kind: SettingKind::Choice(&["walk", "newton", "sms-biased", "sms-unbiased"]),
+        default: "walk",
+        unit: "",
+        help: "What finds paths: the walk; or, to compare it with, Newton's method from the walk's start, which finds one \
+               path, from `trials` random starts, which misses some, or from one, weighted by how many more it takes to \
+               find the path again, which is right on average",
+    },
+    Setting {
+        key: "trials",
+        kind: SettingKind::Integer { min: 0, max: 100_000 },
+        default: "0",
+        unit: "starts",
+        help: "Random starts of solver=sms-biased a point and light; the most that solver=sms-unbiased tries to find a \
+               path again, where a cap that is met darkens; 0 is 20 and 1000",
     },
 ];
 
@@ -143,7 +162,8 @@ const OWN_LAYOUTS: &[Layout] = &[
 
 /// What the technique shares with its kernels.
 pub fn layouts() -> impl Iterator<Item = Layout> {
-    OWN_LAYOUTS.iter().chain(surface::LAYOUTS).chain(footprints::LAYOUTS).copied()
+    let parts = [OWN_LAYOUTS, surface::LAYOUTS, footprints::LAYOUTS, newton::LAYOUTS];
+    parts.into_iter().flatten().copied()
 }
 
 struct Kernels {
@@ -160,6 +180,8 @@ pub struct Mnee {
     /// `None` where only walks are made.
     footprints: Option<Footprints>,
     search: Search,
+    /// Takes the walk's place.
+    newton: Option<Newton>,
     bindings: Bindings,
     rounds: Buffer,
     counters: Buffer,
@@ -205,6 +227,7 @@ impl Mnee {
             surface,
             footprints,
             search,
+            newton: Newton::new(settings, context)?,
             bindings,
             rounds,
             counters,
@@ -267,7 +290,12 @@ impl Technique for Mnee {
         for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {
             let items = self.chunk.min(frame.slots() - first_slot);
             for light in 0..self.lights {
-                self.record_chunk(frame, recorder, first_slot, items, light)?;
+                match &self.newton {
+                    Some(newton) => {
+                        newton.record(recorder, (frame, &self.bindings), (first_slot, items), light, index)?;
+                    }
+                    None => self.record_chunk(frame, recorder, first_slot, items, light)?,
+                }
             }
         }
         frame.record_caustic(recorder, index)
@@ -289,6 +317,11 @@ impl Technique for Mnee {
         if self.surface.triangles == 0 {
             return Ok(vec!["the scene has no refracting surface, so mnee finds no caustic light".to_string()]);
         }
-        Ok(Vec::new())
+        match &self.newton {
+            Some(newton) if self.one => {
+                Ok(vec![format!("mnee.solutions=one is for mnee.solver=walk; {} has no use for it", newton.name)])
+            }
+            _ => Ok(Vec::new()),
+        }
     }
 }
