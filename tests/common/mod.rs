@@ -3,6 +3,8 @@
 //! A case that a device cannot run is listed as ignored, with the reason in its name.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
+pub mod pool;
+
 use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
