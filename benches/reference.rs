@@ -11,7 +11,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{self, Mask, RgbImage, png};
+use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::{scene, stats};
 
@@ -26,12 +26,7 @@ struct Options {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = options(std::env::args().skip(1))?;
-    let truth = image::read(&options.truth)?;
-    let expected = truth.select(&options.truth, None)?;
-    let mask = match &options.mask {
-        Some(path) => png::read_mask(path)?,
-        None => mask_layer(&truth, &expected),
-    };
+    let (expected, mask) = report::truth(&options.truth, options.mask.as_deref())?;
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &options.settings)?;
     println!("{}, {}, camera {}", renderer.device().info.describe(), renderer.tier(), options.camera);
     println!("{:>8} {:>8} {:>9} {:>9} {:>9} {:>7}", "samples", "CPU s", "relRMSE", "energy", "noise", "ratio");
@@ -75,17 +70,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
     let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
     Ok(compare(&picture, truth, mask)?)
-}
-
-/// The mask that a truth carries with it, or every pixel.
-fn mask_layer(truth: &image::LayeredImage, like: &RgbImage) -> Mask {
-    let samples = truth.layer("mask").and_then(|layer| layer.channels.first()).map(|c| c.samples.as_slice());
-    match samples {
-        Some(samples) => {
-            Mask { width: like.width, height: like.height, inside: samples.iter().map(|&s| s > 0.5).collect() }
-        }
-        None => Mask::full(like.width, like.height),
-    }
 }
 
 fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {

@@ -1,7 +1,22 @@
-//! What every benchmark writes beside its table: JSON with the commit; devices and drivers are in the results.
+//! What benchmarks share: the truth that they hold pictures against, and what they write beside their tables, JSON with
+//! the commit; devices and drivers are in the results.
+#![allow(dead_code, reason = "each benchmark uses its part")]
 
 use std::error::Error;
 use std::path::Path;
+
+use nephroid::image::{self, Mask, RgbImage, png};
+
+/// A truth's picture, and where it holds: what `mask` says or else the picture's own layer `mask`, or everywhere.
+pub fn truth(path: &Path, mask: Option<&Path>) -> Result<(RgbImage, Mask), Box<dyn Error>> {
+    let image = image::read(path)?;
+    let picture = image.select(path, None)?;
+    let mask = match mask {
+        Some(mask) => png::read_mask(mask)?,
+        None => mask_layer(&image, &picture),
+    };
+    Ok((picture, mask))
+}
 
 /// Writes `target/bench/<name>.json`.
 pub fn write(name: &str, results: serde_json::Value) -> Result<(), Box<dyn Error>> {
@@ -21,4 +36,15 @@ pub fn write(name: &str, results: serde_json::Value) -> Result<(), Box<dyn Error
 fn commit() -> String {
     let git = std::process::Command::new("git").args(["rev-parse", "HEAD"]).output();
     git.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string()).unwrap_or_default()
+}
+
+/// The mask that a truth carries with it, or every pixel.
+fn mask_layer(truth: &image::LayeredImage, like: &RgbImage) -> Mask {
+    let samples = truth.layer("mask").and_then(|layer| layer.channels.first()).map(|c| c.samples.as_slice());
+    match samples {
+        Some(samples) => {
+            Mask { width: like.width, height: like.height, inside: samples.iter().map(|&s| s > 0.5).collect() }
+        }
+        None => Mask::full(like.width, like.height),
+    }
 }

@@ -1,8 +1,6 @@
 //! The baselines: Newton's method on the surface from the walk's start (Hanika et al. 2015) or from random starts
 //! (specular manifold sampling, Zeltner et al. 2020), instead of the walk.
 
-use glam::Vec3;
-
 use super::super::{Context, Settings};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
@@ -126,8 +124,7 @@ fn areas_of(scene: &Scene) -> (Vec<StartSurface>, Vec<u32>) {
 /// World space, m2.
 fn triangle_areas(scene: &Scene, instance: &Instance) -> Vec<f64> {
     let mesh = &scene.meshes[instance.mesh];
-    let world =
-        |corner: u32| instance.transform.transform_point3(Vec3::from(mesh.positions[corner as usize])).as_dvec3();
+    let world = |corner: u32| instance.transform.transform_point3(mesh.positions[corner as usize]).as_dvec3();
     let area = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(world);
         0.5 * (b - a).cross(c - a).length()
