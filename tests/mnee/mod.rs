@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 use glam::{Affine3A, DVec3, Vec3};
-use nephroid::frame::{Frame, VisiblePoint};
+use nephroid::frame::{Frame, Sampling, VisiblePoint};
 use nephroid::gpu::{Binding, Buffer, Recorder};
 use nephroid::gpu_scene::GpuScene;
 use nephroid::scene::{
@@ -110,7 +110,7 @@ pub fn ask(request: &Request, scene: &Scene, receivers: &[Receiver], trace: &str
     let band = Band { first: 0, count: rows };
     let view =
         View { lights: scene.lights.len() as u32, ..View::new(&scene.cameras[0], &scene.film, (width, rows), band) };
-    let frame = Frame::new(&device, &gpu_scene, &tracer, &view).unwrap();
+    let frame = Frame::new(&device, &gpu_scene, &tracer, &view, Sampling::Uniform).unwrap();
     let context = Context { device: &device, scene, tracer: &tracer, frame: &frame, seed: 0 };
     let set: Vec<String> = set.iter().map(|item| item.to_string()).collect();
     let settings = Settings::parse(TechniqueKind::Mnee, &set).unwrap();

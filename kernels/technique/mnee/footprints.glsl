@@ -6,6 +6,8 @@
 struct Landing {
     vec3 direction; // of light refracted at a vertex
     float distance; // to the first diffuse surface, m; negative: the light does not reach the vertex's instance
+    vec3 normal;    // there, unit; zero where nothing is met
+    uint instance;  // there
 };
 
 struct Footprint { // a box, world space
@@ -17,10 +19,10 @@ struct Footprint { // a box, world space
 
 const uint NO_LEVEL = 0xffffffffu;
 
-// Each level's cells are twice as large as the one's before. A box is in the lowest level whose cells are as large as
-// the box, so in at most eight cells.
+// Each level's cells are twice as large as the one's before. A box is in the lowest level where it needs no more than CELLS
+// cells: long boxes, where light grazes a wall, are in as fine a level as short ones.
 const uint LEVELS = 16u;
-const uint CELLS = 8u; // a triangle's entries, some of them unused
+const uint CELLS = 16u; // a triangle's entries, some of them unused
 const uint NO_ENTRY = 0xffffffffu;
 
 struct FootprintGrid {
@@ -49,7 +51,14 @@ uint footprint_bucket(ivec3 cell, uint level) {
     return h & (footprint_grid.buckets - 1u);
 }
 
-// Of a triangle's entries, the cell that number `entry` is for.
-ivec3 entry_cell(Footprint footprint, uint entry) {
-    return footprint_cell(footprint.low, footprint.level) + ivec3(entry & 1u, (entry >> 1) & 1u, entry >> 2);
+// Cells along each axis that a box has a part of.
+ivec3 cells_of(Footprint footprint, uint level) {
+    return footprint_cell(footprint.high, level) - footprint_cell(footprint.low, level) + 1;
+}
+
+// Of a triangle's entries, the number of the one in a cell that its box has a part of.
+uint entry_in(Footprint footprint, ivec3 cell) {
+    ivec3 cells = cells_of(footprint, footprint.level);
+    ivec3 at = cell - footprint_cell(footprint.low, footprint.level);
+    return uint((at.z * cells.y + at.y) * cells.x + at.x);
 }

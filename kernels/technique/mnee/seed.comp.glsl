@@ -60,7 +60,7 @@ void main() {
             bool inside = all(greaterThanEqual(point.position, footprint.low)) &&
                           all(lessThanEqual(point.position, footprint.high));
             // Other cells and levels share the bucket.
-            if (inside && footprint.level == level && entry_cell(footprint, entry % CELLS) == cell) {
+            if (inside && footprint.level == level && entry_in(footprint, cell) == entry % CELLS) {
                 append_arcs(query, item, triangle);
             }
             entry = footprint_next[entry];

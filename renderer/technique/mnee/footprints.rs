@@ -10,6 +10,8 @@ crate::gpu_struct! {
     pub struct Landing {
         pub direction: [f32; 3],
         pub distance: f32,
+        pub normal: [f32; 3],
+        pub instance: u32,
     }
 }
 
@@ -53,7 +55,7 @@ pub const LAYOUTS: &[Layout] =
     &[Landing::LAYOUT, Footprint::LAYOUT, FootprintGrid::LAYOUT, LandingPush::LAYOUT, FootprintPush::LAYOUT];
 
 /// Entries of the grid that a triangle has room for, as in `footprints.glsl`.
-const CELLS: u64 = 8;
+const CELLS: u64 = 16;
 /// At most; more buckets than that save nothing that a cache could hold.
 const MAX_BUCKETS: u32 = 1 << 20;
 
@@ -74,14 +76,14 @@ struct Grid {
 }
 
 impl Footprints {
-    /// Makes room for every light: 64 bytes a triangle each, and 16 a vertex once.
+    /// Makes room for every light: 96 bytes a triangle each, and 32 a vertex once.
     pub fn new(context: &Context<'_>, surface: &SpecularSurface) -> Result<Self, GpuError> {
         let device = context.device;
         let bounds = context.scene.bounds();
         let variant = context.tracer.backend.variant();
         let landings = Buffer::new(device, "mnee landings", u64::from(surface.vertices) * size_of::<Landing>() as u64)?;
         let triangles = u64::from(surface.triangles);
-        let buckets = surface.triangles.clamp(1, MAX_BUCKETS / 2).next_power_of_two() * 2;
+        let buckets = surface.triangles.clamp(1, MAX_BUCKETS / 4).next_power_of_two() * 4;
         let grid = |_| {
             let state =
                 FootprintGrid { cell: first_cell(context.scene, surface.triangles), buckets, used: 0, padding0: 0 };
@@ -128,10 +130,10 @@ impl Footprints {
     }
 }
 
-/// A power of two near half the mean edge of the refracting triangles, m: few footprints are smaller.
+/// A power of two near a quarter of the mean edge of the refracting triangles, m: few footprints are smaller.
 fn first_cell(scene: &Scene, triangles: u32) -> f32 {
     let refracting = scene.instances.iter().filter(|instance| scene.refracts(instance));
     let area: f32 = refracting.map(|instance| scene.area(instance)).sum();
     let edge = (2.0 * area / triangles.max(1) as f32).sqrt().max(1e-6);
-    (0.5 * edge).log2().floor().exp2()
+    (0.25 * edge).log2().floor().exp2()
 }
