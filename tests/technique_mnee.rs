@@ -23,11 +23,7 @@ fn floor_points(count: u32, size: f32, depth: f32, seed: u32) -> Vec<Receiver> {
     (0..count)
         .map(|i| {
             let [x, z] = random::sample_2d(i, seed);
-            Receiver {
-                position: Vec3::new((x - 0.5) * size, -depth, (z - 0.5) * size),
-                normal: Vec3::Y,
-                medium: WATER,
-            }
+            Receiver { position: Vec3::new((x - 0.5) * size, -depth, (z - 0.5) * size), normal: Vec3::Y, medium: WATER }
         })
         .collect()
 }
@@ -36,7 +32,8 @@ fn paths_of_waves(request: &Request) {
     let quads: u32 = std::env::var("Q").map_or(32, |v| v.parse().unwrap());
     let slope: f64 = std::env::var("SL").map_or(0.4, |v| v.parse().unwrap());
     let search = std::env::var("SEARCH").unwrap_or("footprints".into());
-    let lights: Vec<Light> = vec![lamp(Vec3::new(0.3, 1.5, -0.4)), sun(Vec3::new(0.3, -1.0, 0.2)), sun(Vec3::new(1.0, -0.25, 0.1))];
+    let lights: Vec<Light> =
+        vec![lamp(Vec3::new(0.3, 1.5, -0.4)), sun(Vec3::new(0.3, -1.0, 0.2)), sun(Vec3::new(1.0, -0.25, 0.1))];
     for (index, light) in lights.into_iter().enumerate() {
         let water = oracle::meshes::height_field(7 + index as u64, quads, 2.0, slope);
         let surface = oracle::Surface::of_mesh(&water);
@@ -62,7 +59,11 @@ fn paths_of_waves(request: &Request) {
             }
         }
         println!("light {index}: right {right} bad {bad} roots {roots} energy {:.5}", energy / expected_energy);
-        for c in &answers.counters { if c.value != 0.0 { print!("{} {}, ", c.name, c.value); } }
+        for c in &answers.counters {
+            if c.value != 0.0 {
+                print!("{} {}, ", c.name, c.value);
+            }
+        }
         println!();
     }
 }

@@ -144,14 +144,7 @@ fn buffer(frame: &Frame, name: &str) -> Buffer {
 }
 
 fn nowhere() -> VisiblePoint {
-    VisiblePoint {
-        position: [0.0; 3],
-        instance: u32::MAX,
-        normal: 0,
-        geometric: 0,
-        footprint: 0.0,
-        medium: 0,
-    }
+    VisiblePoint { position: [0.0; 3], instance: u32::MAX, normal: 0, geometric: 0, footprint: 0.0, medium: 0 }
 }
 
 /// As `pack_direction` in `kernels/shared/math.glsl`.

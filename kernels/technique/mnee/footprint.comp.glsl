@@ -13,57 +13,81 @@ layout(push_constant) uniform FootprintPush {
 // times the square of the angle between the corners' directions; an eighth would be the bulge of a circle's arc.
 const float BULGE = 0.5;
 
-// Of the cosine of incidence, for light that grazes what it lands on.
-const float LEAST_COSINE = 0.05;
+// Cells of a level that are looked at for one footprint.
+const int MAX_CELLS = 96;
 
-// Distance of a landing from the plane of another, over its distance from the light's surface, within which both are on one
-// plane.
-const float SAME_PLANE = 1e-4;
-
-void include(inout Footprint footprint, vec3 point) {
-    footprint.low = min(footprint.low, point);
-    footprint.high = max(footprint.high, point);
+// The stump of a cone round the corners' rays, from the nearest landing to the farthest. Something in the light's way that
+// no corner's light meets is not known here.
+Footprint bound(Landing corner[3], vec3 position[3]) {
+    Footprint footprint = Footprint(vec3(0.0), 0.0, vec3(0.0), 0.0, 0.0, 0.0, NO_LEVEL, 0u);
+    if (min(min(corner[0].distance, corner[1].distance), corner[2].distance) < 0.0) return footprint;
+    footprint.origin = (position[0] + position[1] + position[2]) / 3.0;
+    vec3 sum = corner[0].direction + corner[1].direction + corner[2].direction;
+    float size = length(sum);
+    // Directions all round have no axis; light that every corner sends elsewhere is a coarse mesh's, and left to walks.
+    if (size < 0.5) return footprint;
+    footprint.direction = sum / size;
+    footprint.nearest = 1e30;
+    footprint.farthest = -1e30;
+    float turn = 0.0;
+    float radius_there = 0.0;
+    for (uint i = 0u; i < 3u; i++) {
+        vec3 start = position[i] - footprint.origin;
+        vec3 landed = start + corner[i].distance * corner[i].direction;
+        float along = dot(landed, footprint.direction);
+        footprint.nearest = min(footprint.nearest, along);
+        footprint.farthest = max(footprint.farthest, along);
+        footprint.radius = max(footprint.radius, length(start));
+        turn = max(turn, distance(corner[i].direction, corner[i == 2u ? 0u : i + 1u].direction));
+    }
+    float reach = max(footprint.farthest, 1e-6);
+    for (uint i = 0u; i < 3u; i++) {
+        // Where the ray is off the axis by the most; the cosine keeps slanted rays from falling short.
+        float cosine = max(dot(corner[i].direction, footprint.direction), 0.1);
+        vec3 there = position[i] - footprint.origin + corner[i].direction * (reach / cosine);
+        radius_there = max(radius_there, length(there - dot(there, footprint.direction) * footprint.direction));
+    }
+    float margin = BULGE * turn * turn * reach;
+    float rounding = 1e-5 * (length(footprint.origin) + reach);
+    footprint.radius += 1e-3 * footprint.radius + rounding;
+    footprint.spread = max(radius_there + margin - footprint.radius, -0.5 * footprint.radius) / reach;
+    // Between the landings a slanted receiver bulges as the light does; its triangle slants at the other end.
+    float slack = margin + turn * (footprint.farthest - footprint.nearest) + footprint.radius + rounding;
+    footprint.nearest -= slack;
+    footprint.farthest += slack;
+    footprint.level = LEVELS - 1u;
+    return footprint;
 }
 
-// A box that holds wherever light lands that passes the triangle, unless something is in its way that no corner's light
-// meets.
-Footprint bound(Landing corner[3], vec3 position[3]) {
-    Footprint footprint = Footprint(vec3(1e30), NO_LEVEL, vec3(-1e30), 0u);
-    float nearest = min(min(corner[0].distance, corner[1].distance), corner[2].distance);
-    float farthest = max(max(corner[0].distance, corner[1].distance), corner[2].distance);
-    if (nearest < 0.0) return footprint;
-    bool flat_there = corner[0].instance != NO_INSTANCE;
-    float turn = 0.0;
-    float cosine = 1.0;
-    vec3 first = position[0] + corner[0].distance * corner[0].direction;
-    for (uint i = 0u; i < 3u; i++) {
-        vec3 landed = position[i] + corner[i].distance * corner[i].direction;
-        flat_there = flat_there && corner[i].instance == corner[0].instance &&
-                     dot(corner[i].normal, corner[0].normal) > 0.9999 &&
-                     abs(dot(landed - first, corner[0].normal)) < SAME_PLANE * farthest;
-        turn = max(turn, distance(corner[i].direction, corner[i == 2u ? 0u : i + 1u].direction));
-        cosine = min(cosine, abs(dot(corner[i].direction, corner[i].normal)));
+void box_of(Footprint footprint, out vec3 low, out vec3 high) {
+    vec3 first = footprint.origin + footprint.nearest * footprint.direction;
+    vec3 last = footprint.origin + footprint.farthest * footprint.direction;
+    float at_first = max(footprint.radius + footprint.spread * footprint.nearest, 0.0);
+    float at_last = max(footprint.radius + footprint.spread * footprint.farthest, 0.0);
+    low = max(min(first - at_first, last - at_last), push.low);
+    high = min(max(first + at_first, last + at_last), push.high);
+}
+
+// Enters a footprint into the cells of a level that it touches; false where they are too many. With `enter` off nothing is
+// changed.
+bool enter_level(Footprint footprint, uint triangle, uint level, vec3 low, vec3 high, bool enter) {
+    ivec3 first = footprint_cell(low, level);
+    ivec3 cells = footprint_cell(high, level) - first + 1;
+    if (any(greaterThan(cells, ivec3(MAX_CELLS))) || cells.x * cells.y * cells.z > MAX_CELLS) return false;
+    float size = footprint_grid.cell * float(1u << level);
+    uint number = 0u;
+    for (int i = 0; i < cells.x * cells.y * cells.z; i++) {
+        ivec3 cell = first + ivec3(i % cells.x, (i / cells.x) % cells.y, i / (cells.x * cells.y));
+        // Half the diagonal of a cube, and some for rounding.
+        if (!holds(footprint, (vec3(cell) + 0.5) * size, 0.8661 * size)) continue;
+        if (number == CELLS) return false;
+        if (enter) {
+            uint entry = CELLS * triangle + number;
+            footprint_next[entry] = atomicExchange(footprint_heads[footprint_bucket(cell, level)], entry);
+        }
+        number++;
     }
-    for (uint i = 0u; i < 3u; i++) {
-        // On one plane light lands between the corners' landings. Else it may land anywhere between the nearest and the
-        // farthest distance.
-        include(footprint, position[i] + (flat_there ? corner[i].distance : nearest) * corner[i].direction);
-        include(footprint, position[i] + (flat_there ? corner[i].distance : farthest) * corner[i].direction);
-    }
-    float spread = flat_there ? turn * farthest / max(cosine, LEAST_COSINE) : turn * farthest + (farthest - nearest);
-    vec3 reach = max(abs(footprint.low), abs(footprint.high));
-    float margin = BULGE * turn * spread + 1e-3 * distance(position[0], position[1]) +
-                   1e-5 * max(max(reach.x, reach.y), reach.z);
-    footprint.low = max(footprint.low - margin, push.low);
-    footprint.high = min(footprint.high + margin, push.high);
-    if (any(greaterThan(footprint.low, footprint.high))) return footprint;
-    footprint.level = LEVELS - 1u;
-    for (uint level = LEVELS - 1u; level-- > 0u;) {
-        ivec3 cells = cells_of(footprint, level);
-        if (any(greaterThan(cells, ivec3(CELLS))) || uint(cells.x * cells.y * cells.z) > CELLS) break;
-        footprint.level = level;
-    }
-    return footprint;
+    return true;
 }
 
 void main() {
@@ -77,15 +101,17 @@ void main() {
         position[i] = specular_vertices[triangle.corner[i]].position;
     }
     Footprint footprint = bound(corner, position);
-    footprints[index] = footprint;
-    if (footprint.level == NO_LEVEL) return;
-    atomicOr(footprint_grid.used, 1u << footprint.level);
-    ivec3 low = footprint_cell(footprint.low, footprint.level);
-    ivec3 cells = cells_of(footprint, footprint.level);
-    uint number = min(uint(cells.x * cells.y * cells.z), CELLS);
-    for (uint i = 0u; i < number; i++) {
-        ivec3 cell = low + ivec3(int(i) % cells.x, (int(i) / cells.x) % cells.y, int(i) / (cells.x * cells.y));
-        uint entry = CELLS * index + i;
-        footprint_next[entry] = atomicExchange(footprint_heads[footprint_bucket(cell, footprint.level)], entry);
+    vec3 low;
+    vec3 high;
+    box_of(footprint, low, high);
+    if (any(greaterThan(low, high))) footprint.level = NO_LEVEL;
+    bool entered = false;
+    for (uint level = 0u; level < LEVELS && !entered && footprint.level != NO_LEVEL; level++) {
+        if (!enter_level(footprint, index, level, low, high, false)) continue;
+        entered = true;
+        footprint.level = level;
+        enter_level(footprint, index, level, low, high, true);
+        atomicOr(footprint_grid.used, 1u << level);
     }
+    footprints[index] = footprint;
 }

@@ -1,4 +1,4 @@
-// Where each refracting triangle's light can land: boxes in a hashed grid of several levels, so that a visible point finds
+// Where each refracting triangle's light can land: stumps of cones in a hashed grid of several levels, so that a visible point finds
 // the triangles that may light it. The curve through the start is one of several where the surface folds light; the
 // triangles on the others are found here.
 #include "technique/mnee/surface.glsl"
@@ -6,21 +6,24 @@
 struct Landing {
     vec3 direction; // of light refracted at a vertex
     float distance; // to the first diffuse surface, m; negative: the light does not reach the vertex's instance
-    vec3 normal;    // there, unit; zero where nothing is met
-    uint instance;  // there
 };
 
-struct Footprint { // a box, world space
-    vec3 low;
-    uint level; // NO_LEVEL: light does not pass
-    vec3 high;
+// What light can reach that passes a triangle: a piece of a cone's stump.
+struct Footprint {
+    vec3 origin;      // on the axis, at the triangle
+    float radius;     // there, m
+    vec3 direction;   // unit, along the axis
+    float spread;     // of the radius, a metre of axis
+    float nearest;    // on the axis, m
+    float farthest;
+    uint level;       // of the grid; NO_LEVEL: light does not pass
     uint padding0;
 };
 
 const uint NO_LEVEL = 0xffffffffu;
 
-// Each level's cells are twice as large as the one's before. A box is in the lowest level where it needs no more than CELLS
-// cells: long boxes, where light grazes a wall, are in as fine a level as short ones.
+// Each level's cells are twice as large as the one's before. A footprint is in the lowest level where it touches no more
+// than CELLS cells.
 const uint LEVELS = 16u;
 const uint CELLS = 16u; // a triangle's entries, some of them unused
 const uint NO_ENTRY = 0xffffffffu;
@@ -51,14 +54,10 @@ uint footprint_bucket(ivec3 cell, uint level) {
     return h & (footprint_grid.buckets - 1u);
 }
 
-// Cells along each axis that a box has a part of.
-ivec3 cells_of(Footprint footprint, uint level) {
-    return footprint_cell(footprint.high, level) - footprint_cell(footprint.low, level) + 1;
-}
-
-// Of a triangle's entries, the number of the one in a cell that its box has a part of.
-uint entry_in(Footprint footprint, ivec3 cell) {
-    ivec3 cells = cells_of(footprint, footprint.level);
-    ivec3 at = cell - footprint_cell(footprint.low, footprint.level);
-    return uint((at.z * cells.y + at.y) * cells.x + at.x);
+bool holds(Footprint footprint, vec3 position, float margin) {
+    vec3 way = position - footprint.origin;
+    float along = dot(way, footprint.direction);
+    float radius = footprint.radius + footprint.spread * along + margin;
+    vec3 off = way - along * footprint.direction;
+    return along > footprint.nearest - margin && along < footprint.farthest + margin && dot(off, off) < radius * radius;
 }

@@ -19,7 +19,7 @@ void main() {
     SpecularVertex vertex = specular_vertices[at];
     Light light = lights[push.light];
     Material material = materials[instances[push.instance].material];
-    Landing landing = Landing(vec3(0.0), -1.0, vec3(0.0), NO_INSTANCE);
+    Landing landing = Landing(vec3(0.0), -1.0);
     bool in_front = material.front == light.medium;
     if (in_front != (material.back == light.medium)) {
         vec3 normal = normalize(in_front ? vertex.normal : -vertex.normal);
@@ -34,10 +34,6 @@ void main() {
         landing.direction = (size > 1e-12 ? along * (sine / size) : vec3(0.0)) - cos_out * normal;
         Hit hit = trace_closest(Ray(vertex.position, 0.0, landing.direction, push.far), MASK_DIFFUSE);
         landing.distance = hit.instance == NO_INSTANCE ? push.far : hit.t;
-        landing.instance = hit.instance;
-        if (hit.instance != NO_INSTANCE) {
-            landing.normal = surface_at(hit.instance, hit.primitive, hit.barycentrics).geometric;
-        }
     }
     landings[at] = landing;
 }

@@ -57,10 +57,8 @@ void main() {
         for (uint i = 0u; i < MAX_ENTRIES && entry != NO_ENTRY; i++) {
             uint triangle = entry / CELLS;
             Footprint footprint = footprints[triangle];
-            bool inside = all(greaterThanEqual(point.position, footprint.low)) &&
-                          all(lessThanEqual(point.position, footprint.high));
             // Other cells and levels share the bucket.
-            if (inside && footprint.level == level && entry_in(footprint, cell) == entry % CELLS) {
+            if (footprint.level == level && holds(footprint, point.position, 0.0)) {
                 append_arcs(query, item, triangle);
             }
             entry = footprint_next[entry];

@@ -10,17 +10,19 @@ crate::gpu_struct! {
     pub struct Landing {
         pub direction: [f32; 3],
         pub distance: f32,
-        pub normal: [f32; 3],
-        pub instance: u32,
     }
 }
 
 crate::gpu_struct! {
-    /// A box that a triangle's light may land in.
+    /// What light can reach that passes a triangle: a piece of a cone's stump.
     pub struct Footprint {
-        pub low: [f32; 3],
+        pub origin: [f32; 3],
+        pub radius: f32,
+        pub direction: [f32; 3],
+        pub spread: f32,
+        pub nearest: f32,
+        pub farthest: f32,
         pub level: u32,
-        pub high: [f32; 3],
         pub padding0: u32,
     }
 }
@@ -76,7 +78,7 @@ struct Grid {
 }
 
 impl Footprints {
-    /// Makes room for every light: 96 bytes a triangle each, and 32 a vertex once.
+    /// Makes room for every light: 112 bytes a triangle each, and 16 a vertex once.
     pub fn new(context: &Context<'_>, surface: &SpecularSurface) -> Result<Self, GpuError> {
         let device = context.device;
         let bounds = context.scene.bounds();
@@ -90,7 +92,10 @@ impl Footprints {
             let heads = Buffer::new(device, "mnee footprint heads", u64::from(buckets) * 4)?;
             let bindings = Bindings::new()
                 .buffer("Landings", &landings)
-                .buffer("Footprints", &Buffer::new(device, "mnee footprints", triangles * 32)?)
+                .buffer(
+                    "Footprints",
+                    &Buffer::new(device, "mnee footprints", triangles * size_of::<Footprint>() as u64)?,
+                )
                 .buffer("FootprintGrids", &Buffer::from_slice(device, "mnee footprint grid", &[state])?)
                 .buffer("FootprintHeads", &heads)
                 .buffer("FootprintNext", &Buffer::new(device, "mnee footprint entries", triangles * CELLS * 4)?);
