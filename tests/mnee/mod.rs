@@ -158,28 +158,31 @@ fn pack(n: Vec3) -> u32 {
     snorm(p.x) | snorm(p.y) << 16
 }
 
-/// What the oracle says about one receiver: the irradiance of each path that nothing of the water blocks.
-pub fn oracle_irradiances(water: &oracle::Surface, receiver: &Receiver, light: &Light) -> Vec<f64> {
+/// What the oracle says about one receiver: the irradiance of each path that nothing of the water blocks, W/m2.
+pub fn oracle_irradiances(water: &oracle::Surface, receiver: &Receiver, light: &Light, absorption: f64) -> Vec<f64> {
     let from = match light.emitter {
         Emitter::Directional { direction, .. } => oracle::Light::Directional(direction.as_dvec3().normalize()),
         Emitter::Point { position, .. } | Emitter::Spot { position, .. } => oracle::Light::Point(position.as_dvec3()),
     };
-    let (point_index, light_index) = if receiver.medium == WATER { (WATER_INDEX, 1.0) } else { (1.0, WATER_INDEX) };
-    let point_index = if receiver.medium == WATER { f64::from(WATER_INDEX as f32) } else { point_index };
-    let query = oracle::Query { point: receiver.position.as_dvec3(), point_index, light: from, light_index };
-    oracle::all_paths(water, &query)
-        .iter()
-        .filter(|path| path.light_in_front == (light.medium == AIR))
-        .filter_map(|path| {
-            let cosine = -path.to_point.dot(receiver.normal.as_dvec3());
-            (cosine > 0.0).then(|| {
-                let reach = if path.light_leg.is_finite() { path.light_leg } else { 1e3 };
-                let end = path.point + path.to_light * reach;
-                let free = water.crossings(path.point, end, path.triangle) == 0
-                    && water.crossings(query.point, path.point, path.triangle) == 0;
-                if free { path.transmittance * cosine / path.r } else { 0.0 }
-            })
-        })
-        .filter(|&irradiance| irradiance > 0.0)
-        .collect()
+    let index = |medium| if medium == WATER { f64::from(WATER_INDEX as f32) } else { 1.0 };
+    let query = oracle::Query {
+        point: receiver.position.as_dvec3(),
+        point_index: index(receiver.medium),
+        light: from,
+        light_index: index(light.medium),
+    };
+    let irradiance = |path: &oracle::Path| {
+        let cosine = -path.to_point.dot(receiver.normal.as_dvec3());
+        let end = path.point + path.to_light * if path.light_leg.is_finite() { path.light_leg } else { BEYOND };
+        let free = water.crossings(path.point, end, path.triangle) == 0
+            && water.crossings(query.point, path.point, path.triangle) == 0;
+        let in_water = if receiver.medium == WATER { path.point_leg } else { path.light_leg };
+        let right_way = path.light_in_front == (light.medium == AIR);
+        let carried = path.transmittance * cosine / path.r * (-absorption * in_water).exp();
+        (free && right_way && cosine > 0.0).then_some(carried)
+    };
+    oracle::all_paths(water, &query).iter().filter_map(irradiance).collect()
 }
+
+/// Metres: past every surface of the tests.
+const BEYOND: f64 = 1e3;

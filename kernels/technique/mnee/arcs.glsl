@@ -101,7 +101,7 @@ uint partner(Facet facet, Crossings crossings, uint entry) {
 // parts of the way round from a point.
 struct Arc {
     vec2 from; // barycentrics
-    vec2 to;   // or the first and the last part
+    vec2 to;   // or the first and the last part of the way round
     bool round;
     bool pierced; // whether `from` is on the line PL
     vec2 across;  // direction from the chord to the curve
@@ -217,4 +217,23 @@ bool on_arc(Facet facet, Arc arc, vec2 place, uint crossings) {
     vec2 chord = arc.to - arc.from;
     vec2 way = place - arc.from;
     return (chord.x * way.y - chord.y * way.x) * arc.side >= 0.0;
+}
+
+// Whether an arc is more than half of an ellipse: the centre is on its side of the chord.
+bool is_longer_way(Facet facet, Arc arc) {
+    vec3 bend;
+    vec2 centre = centre_of(facet, bend);
+    vec2 chord = arc.to - arc.from;
+    vec2 way = centre - arc.from;
+    return bend.x * bend.z > bend.y * bend.y && (chord.x * way.y - chord.y * way.x) * arc.side > 0.0;
+}
+
+// The part of a turn round an ellipse's centre, in the plane of barycentrics, that leads from one point of it to another; in
+// [-1/2, 1/2].
+float turn_between(Facet facet, vec2 from, vec2 to) {
+    vec3 bend;
+    vec2 centre = centre_of(facet, bend);
+    vec2 a = from - centre;
+    vec2 b = to - centre;
+    return atan(a.x * b.y - a.y * b.x, dot(a, b)) / (2.0 * PI);
 }

@@ -7,6 +7,7 @@ struct Guess {
     uint triangle;
     vec2 place;
     vec3 step;     // in the triangle's plane, to where the linear model has its root
+    vec2 place_step; // the same in barycentrics
     float residual; // what of the half vector is not along the normal
 };
 
@@ -56,6 +57,7 @@ Guess guess_at(Query query, uint triangle, vec2 place) {
     vec2 moved = vec2(value.x * column_second.y - value.y * column_second.x,
                       value.y * column_first.x - value.x * column_first.y) /
                  (abs(determinant) > 1e-37 ? determinant : 1e-37);
+    guess.place_step = -moved;
     guess.step = -(first * moved.x + second * moved.y);
     guess.residual = length(value);
     return guess;

@@ -80,7 +80,7 @@ void main() {
     float reach = 1e30;
     float from = 0.0;
     uint met = 0u;
-    Guess guess = Guess(vec3(0.0), NO_TRIANGLE, vec2(0.0), vec3(0.0), 0.0);
+    Guess guess = Guess(vec3(0.0), NO_TRIANGLE, vec2(0.0), vec3(0.0), vec2(0.0), 0.0);
     uint instance = NO_INSTANCE;
     float shorten = 1.0;
     uint iterations = 0u;

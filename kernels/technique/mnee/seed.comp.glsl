@@ -25,7 +25,7 @@ void append_arcs(Query query, uint item, uint triangle) {
     Crossings crossings = crossings_of(facet);
     vec2 place;
     if (crossings.count == 0u && is_pierced(facet, place)) {
-        append_straight(query, item, facet, triangle, place, 0u);
+        append_point(item, triangle, place, 0u);
         append_round(item, triangle, place, true);
     } else if (crossings.count == 0u && ellipse_inside(facet, place)) {
         append_round(item, triangle, place, false);

@@ -3,6 +3,7 @@
 #include "technique/mnee/walks.glsl"
 #include "technique/mnee/roots.glsl"
 #include "technique/mnee/zeros.glsl"
+#include "technique/mnee/manifold.glsl"
 
 layout(set = 2, binding = 12, std430) buffer SampleIrradiance { vec4 sample_irradiance[]; };
 layout(push_constant) uniform SolvePush {
@@ -11,6 +12,25 @@ layout(push_constant) uniform SolvePush {
     uint light;
     uint one; // 1: the first path along the walk only
 } push;
+
+// Steps of Newton's method from where the line PL meets a triangle; near by it takes three.
+const uint NEWTON_STEPS = 6u;
+
+// Of a step in barycentrics, that is too small to matter.
+const float NEWTON_REST = 1e-5;
+
+// The root that Newton's method finds within the triangle, if it does.
+bool newton(Query query, uint triangle, inout vec2 place) {
+    float rest = 1.0;
+    for (uint i = 0u; i < NEWTON_STEPS && rest > NEWTON_REST; i++) {
+        vec2 step = guess_at(query, triangle, place).place_step;
+        rest = length(step);
+        // A linear model is no better than the triangle is large.
+        place += step * min(1.0, 1.0 / max(rest, 1e-37));
+    }
+    // A NaN is not inside.
+    return rest <= NEWTON_REST && min(min(place.x, place.y), 1.0 - place.x - place.y) >= 0.0;
+}
 
 void main() {
     uint item = linear_index();
@@ -43,12 +63,20 @@ void main() {
         Arc arc = arc_of(facet, bracket);
         float size = distance(facet.at[0], facet.at[1]);
         Interval intervals[MAX_INTERVALS];
-        bool point_only = (bracket.steps & ARC_POINT) != 0u;
-        uint zeros = point_only ? 1u : intervals_of(query, facet, arc, intervals);
+        if ((bracket.steps & ARC_POINT) != 0u) {
+            Root root;
+            root.triangle = bracket.triangle;
+            root.place = bracket.from;
+            if (newton(query, root.triangle, root.place)) {
+                root.at = facet_point(facet, weights(root.place));
+                keep(roots, number, root, 1e-4 * size + 2e-6 * length(root.at));
+            }
+            continue;
+        }
+        uint zeros = intervals_of(query, facet, arc, intervals);
         for (uint j = 0u; j < zeros; j++) {
             Root root;
-            root.place = bracket.from;
-            if (!point_only && !refine(query, facet, arc, intervals[j], root.place)) {
+            if (!refine(query, facet, arc, intervals[j], root.place)) {
                 count(COUNT_UNSOLVED, 1u);
                 continue;
             }

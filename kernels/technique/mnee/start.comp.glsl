@@ -53,7 +53,7 @@ void start_walks(Query query, uint item, uint triangle, vec2 start) {
     Facet facet = facet_at(query, specular_triangles[triangle].corner);
     Crossings crossings = crossings_of(facet);
     count(COUNT_STARTS, 1u);
-    append_straight(query, item, facet, triangle, start, 0u);
+    append_point(item, triangle, start, 0u);
     if (crossings.count == 0u) {
         append_round(item, triangle, start, true);
         return;

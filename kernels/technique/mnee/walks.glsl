@@ -118,24 +118,44 @@ void append_pierced(Query query, uint item, Facet facet, uint triangle, vec2 fro
     }
 }
 
-// Of the objective where the line PL meets the surface: less, and light goes straight through. Nearer roots than that takes
-// could not be told from the point itself.
-const float STRAIGHT = 1e-5;
+// Hands on the point where the line PL meets the triangle, for Newton's method. Where the normal there is nearly along PL the
+// root is near, and the curve no help in finding it: where the normal is along PL every plane through PL contains it.
+void append_point(uint item, uint triangle, vec2 place, uint steps) {
+    append_bracket(item, Bracket(place, place, triangle, steps | ARC_POINT), false);
+}
 
-// Hands on the point where the line PL meets the triangle, if light goes straight through there. The curve is then no help:
-// where the normal is along PL every plane through PL contains it.
-void append_straight(Query query, uint item, Facet facet, uint triangle, vec2 place, uint steps) {
-    vec3 bend = cross(normalize(facet_normal(facet, weights(place))), normalize(query.light));
-    if (abs(query.light_index - query.point_index) * length(bend) < STRAIGHT) {
-        append_bracket(item, Bracket(place, place, triangle, steps | ARC_POINT), true);
+// Hands on more than half of an ellipse, between two crossings, in quarters; in two parts where the line PL meets it.
+void append_turn(uint item, Facet facet, uint triangle, vec2 from, vec2 to, bool pierced, vec2 place, uint steps) {
+    float turn = turn_between(facet, from, to);
+    turn += turn > 0.0 ? -1.0 : 1.0; // the longer way
+    float ends[2] = float[2](turn, 0.0);
+    if (pierced) {
+        ends[0] = turn_between(facet, place, to);
+        ends[1] = turn_between(facet, place, from);
+        if (ends[0] * turn < 0.0) ends[0] += sign(turn);
+        if (ends[1] * turn > 0.0) ends[1] -= sign(turn);
+        append_point(item, triangle, place, steps);
+    }
+    uint kind = ARC_ROUND | (pierced ? ARC_PIERCED : 0u);
+    for (uint i = 0u; i < 8u; i++) {
+        float end = ends[i / 4u];
+        if (end == 0.0) continue;
+        vec2 parts = end * vec2(i % 4u, i % 4u + 1u) / 4.0;
+        append_bracket(item, Bracket(pierced ? place : from, parts, triangle, steps | kind), false);
     }
 }
 
 // Hands on the arc between two crossings, if it may hold a zero; in two parts where the line PL meets it.
 void append_arc(Query query, uint item, Facet facet, uint triangle, vec2 from, vec2 to, uint crossings, uint steps) {
     vec2 pierced;
-    if (is_pierced(facet, pierced) && on_arc(facet, arc_between(facet, from, to, false), pierced, crossings)) {
-        append_straight(query, item, facet, triangle, pierced, steps);
+    Arc arc = arc_between(facet, from, to, false);
+    bool is_on_line = is_pierced(facet, pierced) && on_arc(facet, arc, pierced, crossings);
+    if (is_longer_way(facet, arc)) {
+        append_turn(item, facet, triangle, from, to, is_on_line, pierced, steps);
+        return;
+    }
+    if (is_on_line) {
+        append_point(item, triangle, pierced, steps);
         append_pierced(query, item, facet, triangle, pierced, from, steps);
         append_pierced(query, item, facet, triangle, pierced, to, steps);
         return;

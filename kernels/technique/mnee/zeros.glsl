@@ -19,17 +19,22 @@ const uint EXTREMUM_STEPS = 3u;
 const float OBJECTIVE_ROUNDING = 2e-7;
 
 // Of the objective at a zero, itself or relative to the values at the interval's ends. At a change of sign that is none
-// (the plane's normal turns round where the curve meets the line PL) it is as large as the bend that refraction makes, and
-// that is above STRAIGHT.
+// (the plane's normal turns round where the curve meets the line PL) it is as large as the bend that refraction makes.
 const float ZERO = 5e-6;
 const float RELATIVE_ZERO = 1e-4;
 
-// On an arc that begins on the line PL, the nearest that the plane is taken there, in parts of the arc. A root nearer than
-// this is the line's own point to all purposes; append_arc() sees to it.
+// On an arc that begins on the line PL, the nearest that the plane is taken there, in parts of the arc. Newton's method
+// looks for roots nearer than this.
 const float NEAREST_PART = 1e-4;
 
 float objective_on(Query query, Facet facet, Arc arc, float part, out vec2 place) {
-    if (arc.pierced) part = clamp(part, NEAREST_PART, arc.round ? 1.0 - NEAREST_PART : 1.0);
+    if (arc.pierced && arc.round) {
+        float turn = mix(arc.to.x, arc.to.y, part);
+        float kept = clamp(abs(turn), NEAREST_PART, 1.0 - NEAREST_PART) * (arc.to.x + arc.to.y < 0.0 ? -1.0 : 1.0);
+        part += (kept - turn) / (arc.to.y - arc.to.x);
+    } else if (arc.pierced) {
+        part = max(part, NEAREST_PART);
+    }
     place = arc_point(facet, arc, part);
     vec3 at = facet_point(facet, weights(place));
     vec3 plane = plane_normal(query, arc.pierced ? facet_step(facet, arc.from, place) : at);
