@@ -52,7 +52,8 @@ pub enum RenderError {
     #[error("{found} samples were asked for; at least 1 is needed")]
     Samples { found: u32 },
     #[error(
-        "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} does not"
+        "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} with these \
+         settings does not"
     )]
     NotAdaptive { technique: &'static str },
 }
@@ -110,11 +111,11 @@ impl Renderer {
         if samples == 0 {
             return Err(RenderError::Samples { found: samples });
         }
-        if settings.adaptive && !settings.technique.per_sample() {
+        let technique_settings = Settings::parse(settings.technique, &settings.set)?;
+        if settings.adaptive && !settings.technique.per_sample(&technique_settings) {
             return Err(RenderError::NotAdaptive { technique: settings.technique.name() });
         }
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
-        let technique_settings = Settings::parse(settings.technique, &settings.set)?;
         let device = Device::open(&settings.device)?;
         let gpu_scene = GpuScene::new(&device, &scene)?;
         let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;

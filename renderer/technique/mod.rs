@@ -45,10 +45,10 @@ impl TechniqueKind {
 
     /// Whether it finds the light at each sample's visible points from that sample alone and calls
     /// [`Frame::record_caustic`]: what adaptive sampling needs.
-    pub fn per_sample(self) -> bool {
+    pub fn per_sample(self, settings: &Settings) -> bool {
         match self {
             TechniqueKind::None | TechniqueKind::Reference => false,
-            TechniqueKind::Mnee => true,
+            TechniqueKind::Mnee => settings.choice("rest") == "off",
         }
     }
 

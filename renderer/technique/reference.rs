@@ -53,7 +53,15 @@ pub const SETTINGS: &[Setting] = &[
     },
     Setting {
         key: "paths",
-        kind: SettingKind::Choice(&["all", "refracted", "refracted-once", "reflected", "reflected-once", "mixed"]),
+        kind: SettingKind::Choice(&[
+            "all",
+            "refracted",
+            "refracted-once",
+            "not-refracted-once",
+            "reflected",
+            "reflected-once",
+            "mixed",
+        ]),
         default: "all",
         unit: "",
         help: "Which S+ of L S+ D counts: any, refractions only, one refraction, and so on",
@@ -182,6 +190,8 @@ struct Kernels {
 pub struct Reference {
     kernels: Kernels,
     bindings: Bindings,
+    /// Where the picture goes that is to be added to another technique's; the film otherwise.
+    picture: Bindings,
     grid: Buffer,
     bucket_starts: Buffer,
     ledger: Buffer,
@@ -239,6 +249,7 @@ impl Reference {
                 resolve: plain("resolve")?,
             },
             bindings,
+            picture: Bindings::new(),
             grid,
             bucket_starts,
             ledger,
@@ -264,6 +275,12 @@ impl Reference {
             reuse: settings.integer("reuse"),
             flux,
         })
+    }
+
+    /// The same, but the picture goes to `caustic` and `irradiance`, laid out as the film's blocks, instead of the film.
+    pub fn into(self, caustic: &Buffer, irradiance: &Buffer) -> Self {
+        let picture = Bindings::new().buffer("FilmCaustic", caustic).buffer("FilmIrradiance", irradiance);
+        Reference { picture, ..self }
     }
 
     fn record_grid(&self, recorder: &mut Recorder, bindings: &[&Bindings]) -> Result<(), GpuError> {
@@ -303,6 +320,7 @@ fn class_bits(paths: &str) -> u32 {
     match paths {
         "refracted-once" => 1,
         "refracted" => 1 | 2,
+        "not-refracted-once" => 31 & !1,
         "reflected-once" => 4,
         "reflected" => 4 | 8,
         "mixed" => 16,
@@ -338,6 +356,7 @@ impl Technique for Reference {
         };
         recorder.pass("reference/gather")?.dispatch(&kernels.gather, &bindings, &gather, frame.slots())?;
         let resolve = ResolvePush { passes: index + 1 };
+        let bindings = [&self.picture, &frame.bindings, &self.bindings];
         recorder.pass("reference/resolve")?.dispatch(&kernels.resolve, &bindings, &resolve, frame.slots())?;
         Ok(())
     }

@@ -4,6 +4,7 @@
 mod counters;
 mod footprints;
 mod newton;
+mod rest;
 mod surface;
 
 use super::{Context, CounterEntry, LedgerEntry, Setting, SettingKind, Settings, Technique};
@@ -11,6 +12,7 @@ use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use footprints::Footprints;
 use newton::Newton;
+use rest::Rest;
 use surface::SpecularSurface;
 
 pub const SETTINGS: &[Setting] = &[
@@ -45,6 +47,21 @@ pub const SETTINGS: &[Setting] = &[
         unit: "starts",
         help: "Random starts of solver=sms-biased a point and light; the most that solver=sms-unbiased tries to find a \
                path again, where a cap that is met darkens; 0 is 20 and 1000",
+    },
+    Setting {
+        key: "rest",
+        kind: SettingKind::Choice(&["off", "photons"]),
+        default: "off",
+        unit: "",
+        help: "Light that is reflected, or refracted more than once: left out, or by photons as the reference has it; not \
+               with --adaptive",
+    },
+    Setting {
+        key: "rest_photons",
+        kind: SettingKind::Integer { min: 1, max: 4_000_000 },
+        default: "500000",
+        unit: "photons",
+        help: "Photons that leave the lights at once, for rest=photons",
     },
 ];
 
@@ -162,7 +179,7 @@ const OWN_LAYOUTS: &[Layout] = &[
 
 /// What the technique shares with its kernels.
 pub fn layouts() -> impl Iterator<Item = Layout> {
-    let parts = [OWN_LAYOUTS, surface::LAYOUTS, footprints::LAYOUTS, newton::LAYOUTS];
+    let parts = [OWN_LAYOUTS, surface::LAYOUTS, footprints::LAYOUTS, newton::LAYOUTS, rest::LAYOUTS];
     parts.into_iter().flatten().copied()
 }
 
@@ -182,6 +199,7 @@ pub struct Mnee {
     search: Search,
     /// Takes the walk's place.
     newton: Option<Newton>,
+    rest: Option<Rest>,
     bindings: Bindings,
     rounds: Buffer,
     counters: Buffer,
@@ -228,6 +246,7 @@ impl Mnee {
             footprints,
             search,
             newton: Newton::new(settings, context)?,
+            rest: Rest::new(settings, context)?,
             bindings,
             rounds,
             counters,
@@ -236,6 +255,34 @@ impl Mnee {
             chunk,
             surface_is_current: false,
         })
+    }
+
+    /// Whether there is anything that light could be refracted by.
+    fn searches(&self) -> bool {
+        self.surface.triangles > 0 && self.lights > 0
+    }
+
+    /// The caustic irradiance of sample `index` at all visible points.
+    fn record_search(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
+        if !self.surface_is_current {
+            self.surface.record(recorder, &frame.bindings)?;
+            if let Some(footprints) = &self.footprints {
+                footprints.record(recorder, &frame.bindings, &self.surface)?;
+            }
+            self.surface_is_current = true;
+        }
+        for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {
+            let items = self.chunk.min(frame.slots() - first_slot);
+            for light in 0..self.lights {
+                match &self.newton {
+                    Some(newton) => {
+                        newton.record(recorder, (frame, &self.bindings), (first_slot, items), light, index)?;
+                    }
+                    None => self.record_chunk(frame, recorder, first_slot, items, light)?,
+                }
+            }
+        }
+        Ok(())
     }
 
     /// All paths of `items` pixel layers from `first_slot` on to one light.
@@ -277,28 +324,17 @@ impl Mnee {
 
 impl Technique for Mnee {
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
-        if self.surface.triangles == 0 || self.lights == 0 {
-            return Ok(());
+        if let Some(rest) = &self.rest {
+            rest.take_out(frame, recorder)?;
         }
-        if !self.surface_is_current {
-            self.surface.record(recorder, &frame.bindings)?;
-            if let Some(footprints) = &self.footprints {
-                footprints.record(recorder, &frame.bindings, &self.surface)?;
-            }
-            self.surface_is_current = true;
+        if self.searches() {
+            self.record_search(frame, recorder, index)?;
+            frame.record_caustic(recorder, index)?;
         }
-        for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {
-            let items = self.chunk.min(frame.slots() - first_slot);
-            for light in 0..self.lights {
-                match &self.newton {
-                    Some(newton) => {
-                        newton.record(recorder, (frame, &self.bindings), (first_slot, items), light, index)?;
-                    }
-                    None => self.record_chunk(frame, recorder, first_slot, items, light)?,
-                }
-            }
+        if let Some(rest) = &mut self.rest {
+            rest.put_in(frame, recorder, index)?;
         }
-        frame.record_caustic(recorder, index)
+        Ok(())
     }
 
     fn ledger(&self, _samples: u32) -> Result<Vec<LedgerEntry>, GpuError> {
@@ -310,11 +346,11 @@ impl Technique for Mnee {
     }
 
     fn second_half(&self, samples: u32) -> Option<u32> {
-        (self.surface.triangles > 0 && self.lights > 0).then_some(samples / 2)
+        self.searches().then_some(samples / 2)
     }
 
     fn warnings(&self) -> Result<Vec<String>, GpuError> {
-        if self.surface.triangles == 0 {
+        if self.surface.triangles == 0 && self.rest.is_none() {
             return Ok(vec!["the scene has no refracting surface, so mnee finds no caustic light".to_string()]);
         }
         match &self.newton {

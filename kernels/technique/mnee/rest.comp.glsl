@@ -1,0 +1,18 @@
+// Adds the picture of the paths that are not looked for to the film, or takes it out again.
+#include "shared/index.glsl"
+#include "shared/view.glsl"
+#include "shared/visible.glsl"
+
+layout(set = 2, binding = 10, std430) buffer FilmCaustic { vec4 film_caustic[]; };
+layout(set = 2, binding = 11, std430) buffer FilmIrradiance { vec4 film_irradiance[]; };
+layout(set = 3, binding = 0, std430) readonly buffer RestCaustic { vec4 rest_caustic[]; };
+layout(set = 3, binding = 1, std430) readonly buffer RestIrradiance { vec4 rest_irradiance[]; };
+layout(push_constant) uniform RestPush { float sign; } push;
+
+void main() {
+    uint slot = linear_index();
+    uint pixels = view.width * view.rows;
+    if (slot >= pixels * VISIBLE_LAYERS) return;
+    film_caustic[slot] += push.sign * rest_caustic[slot];
+    if (slot < pixels) film_irradiance[slot] += push.sign * rest_irradiance[slot];
+}
