@@ -11,7 +11,7 @@ use super::error::Call;
 use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
 
 /// Passes that one command buffer can time; further ones are run and not timed.
-const MAX_TIMED_PASSES: u32 = 512;
+const MAX_TIMED_PASSES: u32 = 4096;
 
 /// Workgroups along x before a dispatch folds into y; every device offers this many.
 const MAX_GROUPS_X: u32 = 65535;

@@ -24,7 +24,10 @@ const uint COUNT_TRIALS = 21u;           // starts of Newton's method
 const uint COUNT_PROJECTIONS = 22u;      // its steps
 const uint COUNT_NOT_CONVERGED = 23u;    // trials that came to no root
 const uint COUNT_TRIALS_CAPPED = 24u;    // paths that the last trial allowed had not found again
-const uint LONGEST_WALK = 50u;           // after the counters: one word, triangles
+const uint COUNT_ENDED_FOUND = 25u;      // walks for one path only, that came to it
+const uint COUNT_ROOTS_DROPPED = 26u;    // for which there was no room
+const uint COUNT_FOOTPRINTS_LEFT_OUT = 27u; // too large for the grid, or of no definite direction
+const uint LONGEST_WALK = 2u * 28u;      // after the counters: one word, triangles
 
 layout(set = 3, binding = 8, std430) buffer MneeCounters { uint mnee_counters[]; };
 

@@ -1,7 +1,8 @@
-// Bounds what each triangle's light can reach by the landings at its corners, and enters the box into the grid.
+// Bounds what each triangle's light can reach by the landings at its corners, and enters it into the grid.
 #include "shared/index.glsl"
 #include "shared/scene.glsl"
 #include "technique/mnee/footprints.glsl"
+#include "technique/mnee/counters.glsl"
 
 layout(push_constant) uniform FootprintPush {
     vec3 low; // of the scene, m
@@ -76,14 +77,21 @@ bool enter_level(Footprint footprint, uint triangle, uint level, vec3 low, vec3 
     if (any(greaterThan(cells, ivec3(MAX_CELLS))) || cells.x * cells.y * cells.z > MAX_CELLS) return false;
     float size = footprint_grid.cell * float(1u << level);
     uint number = 0u;
+    uint buckets[CELLS];
     for (int i = 0; i < cells.x * cells.y * cells.z; i++) {
         ivec3 cell = first + ivec3(i % cells.x, (i / cells.x) % cells.y, i / (cells.x * cells.y));
         // Half the diagonal of a cube, and some for rounding.
         if (!holds(footprint, (vec3(cell) + 0.5) * size, 0.8661 * size)) continue;
         if (number == CELLS) return false;
+        // Two cells of a triangle in one bucket are one entry.
+        uint bucket = footprint_bucket(cell, level);
+        bool known = false;
+        for (uint j = 0u; j < number; j++) known = known || buckets[j] == bucket;
+        if (known) continue;
+        buckets[number] = bucket;
         if (enter) {
             uint entry = CELLS * triangle + number;
-            footprint_next[entry] = atomicExchange(footprint_heads[footprint_bucket(cell, level)], entry);
+            footprint_next[entry] = atomicExchange(footprint_heads[bucket], entry);
         }
         number++;
     }
@@ -104,7 +112,9 @@ void main() {
     vec3 low;
     vec3 high;
     box_of(footprint, low, high);
-    if (any(greaterThan(low, high))) footprint.level = NO_LEVEL;
+    bool lit = min(min(corner[0].distance, corner[1].distance), corner[2].distance) >= 0.0;
+    bool beside = any(greaterThan(low, high)); // of the scene
+    if (beside) footprint.level = NO_LEVEL;
     bool entered = false;
     for (uint level = 0u; level < LEVELS && !entered && footprint.level != NO_LEVEL; level++) {
         if (!enter_level(footprint, index, level, low, high, false)) continue;
@@ -113,5 +123,7 @@ void main() {
         enter_level(footprint, index, level, low, high, true);
         atomicOr(footprint_grid.used, 1u << level);
     }
+    if (!entered) footprint.level = NO_LEVEL;
+    if (lit && !beside && !entered) count(COUNT_FOOTPRINTS_LEFT_OUT, 1u);
     footprints[index] = footprint;
 }

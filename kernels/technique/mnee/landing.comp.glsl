@@ -22,7 +22,7 @@ void main() {
     Landing landing = Landing(vec3(0.0), -1.0);
     bool in_front = material.front == light.medium;
     if (in_front != (material.back == light.medium)) {
-        vec3 normal = normalize(in_front ? vertex.normal : -vertex.normal);
+        vec3 normal = (in_front ? 1.0 : -1.0) * vertex.normal / max(length(vertex.normal), 1e-37);
         vec3 incident = light.kind == LIGHT_DIRECTIONAL ? light.direction : normalize(vertex.position - light.position);
         float eta = media[light.medium].index / media[in_front ? material.back : material.front].index;
         // Where the light is behind the vertex, or reflected totally, the limit of what is refracted near by.

@@ -17,6 +17,7 @@ layout(push_constant) uniform NewtonPush {
     uint solver;
     uint trials;   // random starts, or the most that a path is searched for again
     uint surfaces; // that starts may be on
+    float width; // pixels from a fold within which irradiance is a mean
 } push;
 
 const uint SOLVER_NEWTON = 0u;
@@ -106,7 +107,8 @@ void main() {
             }
         }
         if (phase == TEST && (segment & 1u) == 0u) {
-            path = path_at(query, point, light, roots[segment / 2u].triangle, roots[segment / 2u].place);
+            path = path_at(query, point, light, roots[segment / 2u].triangle, roots[segment / 2u].place,
+                           push.width * point.footprint);
             if (path.rejected != 0u) count(path.rejected, 1u);
         }
         bool wanted = phase != TEST || path.rejected == 0u;

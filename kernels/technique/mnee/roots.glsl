@@ -11,28 +11,27 @@ struct Root {
     vec2 place;
 };
 
-// Adds a root to those found so far unless it is there. Roots are the same if rounding, or the two triangles of an edge,
-// could have made one of the other; `same` is what they may be apart by. False if it was there, or there is no room.
-bool keep(inout Root roots[MAX_PATHS], inout uint number, Root root, float same) {
-    for (uint i = 0u; i < number; i++) {
-        if (distance(roots[i].at, root.at) < same) {
-            // The lower triangle stays, whatever the order in which they were found.
-            if (root.triangle < roots[i].triangle) roots[i] = root;
-            count(COUNT_DUPLICATES, 1u);
-            return false;
-        }
-    }
-    if (number == MAX_PATHS) {
-        count(COUNT_ARCS_DROPPED, 1u);
-        return false;
-    }
-    roots[number++] = root;
-    return true;
-}
-
 bool comes_before(Root a, Root b) {
     if (a.triangle != b.triangle) return a.triangle < b.triangle;
     return a.place.x < b.place.x || (a.place.x == b.place.x && a.place.y < b.place.y);
+}
+
+// Adds a root to those found so far unless it is there. Roots are the same if rounding, or the two triangles of an edge,
+// could have made one of the other; `same` is what they may be apart by.
+void keep(inout Root roots[MAX_PATHS], inout uint number, Root root, float same) {
+    for (uint i = 0u; i < number; i++) {
+        if (distance(roots[i].at, root.at) < same) {
+            // The lower one stays, whatever the order in which they were found.
+            if (comes_before(root, roots[i])) roots[i] = root;
+            count(COUNT_DUPLICATES, 1u);
+            return;
+        }
+    }
+    if (number == MAX_PATHS) {
+        count(COUNT_ROOTS_DROPPED, 1u);
+        return;
+    }
+    roots[number++] = root;
 }
 
 // Sums go by triangle, so that equal roots give equal bits.

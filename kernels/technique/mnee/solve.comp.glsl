@@ -2,7 +2,6 @@
 // blocks.
 #include "technique/mnee/walks.glsl"
 #include "technique/mnee/roots.glsl"
-#include "technique/mnee/zeros.glsl"
 #include "technique/mnee/manifold.glsl"
 
 layout(set = 2, binding = 12, std430) buffer SampleIrradiance { vec4 sample_irradiance[]; };
@@ -10,7 +9,8 @@ layout(push_constant) uniform SolvePush {
     uint first_slot;
     uint items;
     uint light;
-    uint one; // 1: the first path along the walk only
+    uint one;    // 1: the first path along the walk only
+    float width; // pixels from a fold within which irradiance is a mean
 } push;
 
 // Steps of Newton's method from where the line PL meets a triangle; near by it takes three.
@@ -32,6 +32,15 @@ bool newton(Query query, uint triangle, inout vec2 place) {
     return rest <= NEWTON_REST && min(min(place.x, place.y), 1.0 - place.x - place.y) >= 0.0;
 }
 
+// Whether an arc is before another along the walks; of both directions' equally far, by number.
+bool is_nearer(uint item, uint first, uint second) {
+    Bracket a = brackets[item * MAX_BRACKETS + first];
+    Bracket b = brackets[item * MAX_BRACKETS + second];
+    if ((a.steps & ARC_STEPS) != (b.steps & ARC_STEPS)) return (a.steps & ARC_STEPS) < (b.steps & ARC_STEPS);
+    if (a.triangle != b.triangle) return a.triangle < b.triangle;
+    return a.to.x < b.to.x || (a.to.x == b.to.x && a.to.y < b.to.y);
+}
+
 void main() {
     uint item = linear_index();
     if (item >= push.items) return;
@@ -48,13 +57,10 @@ void main() {
     for (uint i = 0u; i < arcs && !(push.one != 0u && number > 0u); i++) {
         uint pick = i;
         if (push.one != 0u) {
-            uint least = 0xffffffffu;
+            pick = MAX_BRACKETS;
             for (uint j = 0u; j < arcs; j++) {
-                uint steps = brackets[item * MAX_BRACKETS + j].steps & ARC_STEPS;
-                if (((tried >> j) & 1u) == 0u && steps < least) {
-                    least = steps;
-                    pick = j;
-                }
+                bool untried = ((tried >> j) & 1u) == 0u;
+                if (untried && (pick == MAX_BRACKETS || is_nearer(item, j, pick))) pick = j;
             }
             tried |= 1u << pick;
         }
@@ -62,7 +68,7 @@ void main() {
         Facet facet = facet_at(query, specular_triangles[bracket.triangle].corner);
         Arc arc = arc_of(facet, bracket);
         float size = distance(facet.at[0], facet.at[1]);
-        Interval intervals[MAX_INTERVALS];
+        Interval intervals[INTERVALS];
         if ((bracket.steps & ARC_POINT) != 0u) {
             Root root;
             root.triangle = bracket.triangle;
@@ -97,7 +103,8 @@ void main() {
         uint index = segment / 2u;
         bool to_light = (segment & 1u) != 0u;
         if (!to_light) {
-            path = path_at(query, point, light, roots[index].triangle, roots[index].place);
+            path = path_at(query, point, light, roots[index].triangle, roots[index].place,
+                           push.width * point.footprint);
             if (path.rejected != 0u) count(path.rejected, 1u);
         }
         if (path.rejected != 0u) continue;

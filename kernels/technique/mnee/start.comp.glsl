@@ -16,7 +16,7 @@ layout(push_constant) uniform StartPush {
 const uint MAX_MEETINGS = 8u;
 
 // The first arc of a walk, from the start to crossing `exit`.
-void set_out(Query query, Facet facet, uint item, uint triangle, vec2 start, float exit) {
+void set_out(Query query, Facet facet, uint item, uint triangle, vec2 start, float exit, float other_exit) {
     append_pierced(query, item, facet, triangle, start, boundary_barycentrics(exit), 0u);
     uint across = specular_triangles[triangle].across[min(uint(exit), 2u)];
     if (across == NO_TRIANGLE) {
@@ -30,22 +30,19 @@ void set_out(Query query, Facet facet, uint item, uint triangle, vec2 start, flo
     walk.objective = objective_at(query, walk.at, walk.normal);
     walk.tilt = -2.0;
     walk.triangle = across / 4u;
-    walk.place = float(across % 4u) + 1.0 - fract(exit);
+    walk.place = entry_across(across, exit);
     walk.item = item;
     walk.start = triangle;
     walk.steps = 1u;
+    walk.start_ends = vec2(exit, other_exit);
+    walk.padding0 = 0u;
     uint place = atomicAdd(rounds[0].walks, 1u);
     if (place >= push.capacity) {
         count(COUNT_WALKS_DROPPED, 1u);
         return;
     }
     walks[place] = walk;
-    walk_lists[place] = place;
-    if (place % 64u == 0u) {
-        atomicAdd(rounds[0].groups_x, 1u);
-        rounds[0].groups_y = 1u;
-        rounds[0].groups_z = 1u;
-    }
+    list_walk(0u, place, place, push.capacity);
 }
 
 // Both directions from a point on the curve inside of a triangle.
@@ -70,8 +67,8 @@ void start_walks(Query query, uint item, uint triangle, vec2 start) {
             second = other;
         }
     }
-    set_out(query, facet, item, triangle, start, crossings.place[first]);
-    set_out(query, facet, item, triangle, start, crossings.place[second]);
+    set_out(query, facet, item, triangle, start, crossings.place[first], crossings.place[second]);
+    set_out(query, facet, item, triangle, start, crossings.place[second], crossings.place[first]);
 }
 
 void main() {

@@ -11,7 +11,7 @@ struct SpecularTriangle {
     uvec3 corner;  // into specular_vertices
     uint instance;
     uvec3 across;  // over the edges 01, 12, 20: four times the triangle there plus its edge, or NO_TRIANGLE
-    uint primitive;
+    uint padding0;
 };
 
 struct SpecularInstance {

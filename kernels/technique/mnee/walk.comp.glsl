@@ -12,6 +12,9 @@ layout(push_constant) uniform WalkPush {
     uint one;       // 1: a walk ends at its first change of sign
 } push;
 
+// Of places on the boundary of a triangle: crossings are found from the same numbers each time.
+const float SAME_PLACE = 1e-5;
+
 // No more steps than this lead away from every slope before a walk ends.
 const uint PATIENCE = 2u;
 
@@ -55,7 +58,8 @@ void main() {
             append_arc(query, walk.item, facet, walk.triangle, from, to, crossings.count, walk.steps);
         }
         walk.steps++;
-        if (walk.triangle == walk.start && crossings.count == 2u) {
+        if (walk.triangle == walk.start &&
+            any(lessThan(abs(walk.start_ends - crossings.place[entry]), vec2(SAME_PLACE)))) {
             // The arc through the start was left at both ends; who comes back by one of them has been all round.
             crossed++;
             end = COUNT_ENDED_CLOSED;
@@ -63,7 +67,7 @@ void main() {
         }
         if (push.one != 0u && (value < 0.0) != (walk.objective < 0.0)) {
             crossed++;
-            end = COUNT_ENDED_CLOSED;
+            end = COUNT_ENDED_FOUND;
             break;
         }
         walk.at = at;
@@ -83,7 +87,7 @@ void main() {
         away = outside && tilt < walk.tilt ? away + 1u : 0u;
         walk.tilt = tilt;
         walk.triangle = across / 4u;
-        walk.place = float(across % 4u) + 1.0 - fract(exit);
+        walk.place = entry_across(across, exit);
         if (away > PATIENCE) {
             crossed++;
             end = COUNT_ENDED_SLOPES;
@@ -93,7 +97,8 @@ void main() {
     count(COUNT_TRIANGLES, crossed);
     if (end == COUNT_STEP_CAP && push.last == 0u) {
         walks[index] = walk;
-        append_walk(push.round + 1u, index, push.capacity);
+        uint next = atomicAdd(rounds[push.round + 1u].walks, 1u);
+        list_walk(push.round + 1u, next, index, push.capacity);
         return;
     }
     count(end, 1u);

@@ -17,9 +17,8 @@ struct Walk {
     uint item;       // pixel layer, counted from the chunk's first
     uint start;      // triangle that holds the walk's first point
     uint steps;
+    vec2 start_ends; // where the arc through that point crosses the triangle's boundary
     uint padding0;
-    uint padding1;
-    uint padding2;
 };
 
 // Part of the curve on which the objective has a zero, or may have two.
@@ -52,17 +51,20 @@ layout(set = 3, binding = 7, std430) buffer BracketCounts { uint bracket_counts[
 // In a layer's count of arcs: on one of them the objective changes its sign.
 const uint CERTAIN = 0x80000000u;
 
-// Has round `round` go on with `walk`. The capacity is that of one of the two lists.
-bool append_walk(uint round, uint walk, uint capacity) {
-    uint place = atomicAdd(rounds[round].walks, 1u);
-    if (place >= capacity) return false;
+// Puts `walk` into a round's list at `place`, and sees to it that there is a workgroup for it.
+void list_walk(uint round, uint place, uint walk, uint capacity) {
     walk_lists[(round & 1u) * capacity + place] = walk;
     if (place % 64u == 0u) {
         atomicAdd(rounds[round].groups_x, 1u);
         rounds[round].groups_y = 1u;
         rounds[round].groups_z = 1u;
     }
-    return true;
+}
+
+// Where a walk that leaves a triangle at the crossing `exit` enters the next, which is `across` that edge. At a corner it
+// stays on the edge.
+float entry_across(uint across, float exit) {
+    return float(across % 4u) + min(1.0 - fract(exit), LAST_PLACE);
 }
 
 void append_bracket(uint item, Bracket bracket, bool certain) {

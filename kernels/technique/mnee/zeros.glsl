@@ -6,9 +6,6 @@
 // take an inflection of the objective, and a pair that a quarter does not separate is looked for at the extremum.
 const uint INTERVALS = 4u;
 
-// Zeros that are told apart on one arc.
-const uint MAX_INTERVALS = INTERVALS + 1u;
-
 // Of false position; an arc of a wave takes four to six, and the bisections among twelve bring any to 1e-3 of its interval.
 const uint REFINEMENTS = 12u;
 
@@ -51,7 +48,7 @@ struct Interval {
 
 // Intervals with a zero each. Where the sign never changes, the extremum of the parabola through the three values nearest
 // to zero decides: two zeros that nearly meet make the brightest lines.
-uint intervals_of(Query query, Facet facet, Arc arc, out Interval found[MAX_INTERVALS]) {
+uint intervals_of(Query query, Facet facet, Arc arc, out Interval found[INTERVALS]) {
     uint number = 0u;
     float values[INTERVALS + 1u];
     vec2 place;

@@ -4,7 +4,7 @@ use crate::gpu::{Buffer, GpuError};
 use crate::technique::CounterEntry;
 
 /// In the order of `kernels/technique/mnee/counters.glsl`.
-pub const NAMES: [&str; 25] = [
+pub const NAMES: [&str; 28] = [
     "points",
     "starts",
     "triangles_crossed",
@@ -30,6 +30,9 @@ pub const NAMES: [&str; 25] = [
     "projections",
     "trials_not_converged",
     "trials_capped",
+    "walks_to_first_path",
+    "roots_dropped",
+    "footprints_left_out",
 ];
 
 /// Words of the buffer: two a counter, and the longest walk.

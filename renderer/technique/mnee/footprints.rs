@@ -58,6 +58,8 @@ pub const LAYOUTS: &[Layout] =
 
 /// Entries of the grid that a triangle has room for, as in `footprints.glsl`.
 const CELLS: u64 = 16;
+/// At least, so that cells rarely share one.
+const MIN_BUCKETS: u32 = 1 << 12;
 /// At most; more buckets than that save nothing that a cache could hold.
 const MAX_BUCKETS: u32 = 1 << 20;
 
@@ -85,7 +87,7 @@ impl Footprints {
         let variant = context.tracer.backend.variant();
         let landings = Buffer::new(device, "mnee landings", u64::from(surface.vertices) * size_of::<Landing>() as u64)?;
         let triangles = u64::from(surface.triangles);
-        let buckets = surface.triangles.clamp(1, MAX_BUCKETS / 4).next_power_of_two() * 4;
+        let buckets = surface.triangles.clamp(MIN_BUCKETS / 4, MAX_BUCKETS / 4).next_power_of_two() * 4;
         let grid = |_| {
             let state =
                 FootprintGrid { cell: first_cell(context.scene, surface.triangles), buckets, used: 0, padding0: 0 };

@@ -49,6 +49,14 @@ pub const SETTINGS: &[Setting] = &[
                path again, where a cap that is met darkens; 0 is 20 and 1000",
     },
     Setting {
+        key: "smooth",
+        kind: SettingKind::Number { min: 0.0, max: 100.0 },
+        default: "1",
+        unit: "pixels",
+        help: "Where light folds, irradiance is infinite along a line: within this distance of it, over the root of the \
+               number of samples so far, the mean is taken; 0 leaves rare samples that outshine the picture",
+    },
+    Setting {
         key: "rest",
         kind: SettingKind::Choice(&["off", "photons"]),
         default: "off",
@@ -102,9 +110,8 @@ crate::gpu_struct! {
         pub item: u32,
         pub start: u32,
         pub steps: u32,
+        pub start_ends: [f32; 2],
         pub padding0: u32,
-        pub padding1: u32,
-        pub padding2: u32,
     }
 }
 
@@ -164,6 +171,7 @@ crate::gpu_struct! {
         pub items: u32,
         pub light: u32,
         pub one: u32,
+        pub width: f32,
     }
 }
 
@@ -200,6 +208,10 @@ pub struct Mnee {
     /// Takes the walk's place.
     newton: Option<Newton>,
     rest: Option<Rest>,
+    /// Pixels.
+    smooth: f32,
+    /// What of the settings has no effect, in sentences.
+    useless: Vec<String>,
     bindings: Bindings,
     rounds: Buffer,
     counters: Buffer,
@@ -214,8 +226,9 @@ impl Mnee {
         let device = context.device;
         let surface = SpecularSurface::new(device, context.scene)?;
         let one = settings.choice("solutions") == "one";
+        let newton = Newton::new(settings, context)?;
         let search = match settings.choice("search") {
-            _ if one => Search::Walk,
+            _ if one || newton.is_some() => Search::Walk,
             "walk" => Search::Walk,
             "both" => Search::Both,
             _ => Search::Footprints,
@@ -223,7 +236,7 @@ impl Mnee {
         let footprints = if search == Search::Walk { None } else { Some(Footprints::new(context, &surface)?) };
         let chunk = CHUNK.min(context.frame.slots());
         let buffer = |name: &str, items: u64, bytes: usize| Buffer::new(device, name, items * bytes as u64);
-        let rounds = buffer("mnee rounds", ROUND_STEPS.len() as u64 + 1, size_of::<Round>())?;
+        let rounds = buffer("mnee rounds", ROUND_STEPS.len() as u64, size_of::<Round>())?;
         let counters = Buffer::zeroed(device, "mnee counters", 4 * counters::WORDS as u64)?;
         let walks = u64::from(WALK_CAPACITY);
         let bindings = Bindings::new()
@@ -245,8 +258,10 @@ impl Mnee {
             surface,
             footprints,
             search,
-            newton: Newton::new(settings, context)?,
+            newton,
             rest: Rest::new(settings, context)?,
+            smooth: settings.number("smooth"),
+            useless: useless(settings),
             bindings,
             rounds,
             counters,
@@ -271,14 +286,16 @@ impl Mnee {
             }
             self.surface_is_current = true;
         }
+        let width = self.smooth / ((index + 1) as f32).sqrt();
         for first_slot in (0..frame.slots()).step_by(self.chunk as usize) {
             let items = self.chunk.min(frame.slots() - first_slot);
             for light in 0..self.lights {
                 match &self.newton {
                     Some(newton) => {
-                        newton.record(recorder, (frame, &self.bindings), (first_slot, items), light, index)?;
+                        let items = (first_slot, items);
+                        newton.record(recorder, (frame, &self.bindings), items, light, (index, width))?;
                     }
-                    None => self.record_chunk(frame, recorder, first_slot, items, light)?,
+                    None => self.record_chunk(frame, recorder, (first_slot, items), light, width)?,
                 }
             }
         }
@@ -290,9 +307,9 @@ impl Mnee {
         &self,
         frame: &Frame,
         recorder: &mut Recorder,
-        first_slot: u32,
-        items: u32,
+        (first_slot, items): (u32, u32),
         light: u32,
+        width: f32,
     ) -> Result<(), GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
         let kernels = &self.kernels;
@@ -316,11 +333,37 @@ impl Mnee {
             let offset = u64::from(round) * size_of::<Round>() as u64;
             recorder.pass("mnee/walk")?.dispatch_indirect(&kernels.walk, &bindings, &walk, &self.rounds, offset)?;
         }
-        let solve = SolvePush { first_slot, items, light, one };
+        let solve = SolvePush { first_slot, items, light, one, width };
         recorder.pass("mnee/solve")?.dispatch(&kernels.solve, &bindings, &solve, items)?;
         Ok(())
     }
 }
+
+/// What `settings` say that has no effect.
+fn useless(settings: &Settings) -> Vec<String> {
+    let solver = settings.choice("solver");
+    let one = settings.choice("solutions") == "one";
+    let search = settings.choice("search");
+    let mut said = Vec::new();
+    if one && solver != "walk" {
+        said.push(format!("mnee.solutions=one is for mnee.solver=walk; {solver} has no use for it"));
+    }
+    if search != "footprints" && solver != "walk" {
+        said.push(format!("mnee.search={search} is for mnee.solver=walk; {solver} has no use for it"));
+    }
+    if search == "both" && one {
+        said.push(
+            "mnee.search=both is for mnee.solutions=all; one path is looked for along the walk alone".to_string(),
+        );
+    }
+    if settings.integer("trials") > 0 && !solver.starts_with("sms") {
+        said.push(format!("mnee.trials is for the solvers sms-biased and sms-unbiased; {solver} has no use for it"));
+    }
+    said
+}
+
+/// Counters of what there was no room for.
+const DROPPED: [&str; 3] = ["walks_dropped", "arcs_dropped", "roots_dropped"];
 
 impl Technique for Mnee {
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
@@ -329,8 +372,8 @@ impl Technique for Mnee {
         }
         if self.searches() {
             self.record_search(frame, recorder, index)?;
-            frame.record_caustic(recorder, index)?;
         }
+        frame.record_caustic(recorder, index)?;
         if let Some(rest) = &mut self.rest {
             rest.put_in(frame, recorder, index)?;
         }
@@ -353,11 +396,12 @@ impl Technique for Mnee {
         if self.surface.triangles == 0 && self.rest.is_none() {
             return Ok(vec!["the scene has no refracting surface, so mnee finds no caustic light".to_string()]);
         }
-        match &self.newton {
-            Some(newton) if self.one => {
-                Ok(vec![format!("mnee.solutions=one is for mnee.solver=walk; {} has no use for it", newton.name)])
+        let mut warnings = self.useless.clone();
+        for entry in self.counters()? {
+            if entry.value > 0.0 && DROPPED.contains(&entry.name) {
+                warnings.push(format!("mnee found no room for {} {}; some light is missing", entry.value, entry.name));
             }
-            _ => Ok(Vec::new()),
         }
+        Ok(warnings)
     }
 }

@@ -20,6 +20,7 @@ crate::gpu_struct! {
         pub solver: u32,
         pub trials: u32,
         pub surfaces: u32,
+        pub width: f32,
     }
 }
 
@@ -41,8 +42,6 @@ pub const LAYOUTS: &[Layout] = &[NewtonPush::LAYOUT, StartSurface::LAYOUT];
 
 /// A solver that takes the walk's place.
 pub struct Newton {
-    /// As in `mnee.solver`.
-    pub name: String,
     kernel: Kernel,
     bindings: Bindings,
     solver: u32,
@@ -69,7 +68,6 @@ impl Newton {
             .buffer("StartSurfaces", &Buffer::from_slice(device, "mnee start surfaces", &surfaces)?)
             .buffer("StartAreas", &Buffer::from_slice(device, "mnee start areas", &areas)?);
         Ok(Some(Newton {
-            name: settings.choice("solver").to_string(),
             kernel: Kernel::new(device, "mnee/newton", context.tracer.backend.variant())?,
             bindings,
             solver,
@@ -78,18 +76,18 @@ impl Newton {
         }))
     }
 
-    /// Records all that is found for `items` pixel layers from `first_slot` on and one light, in sample `sample_index`.
-    /// Clears what the sample has so far if it is the first light.
+    /// Records all that is found for `items` pixel layers from `first_slot` on and one light, in sample `sample_index`;
+    /// `width` as in `path.glsl`, but in pixels. Clears what the sample has so far if it is the first light.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         (frame, mnee): (&Frame, &Bindings),
         (first_slot, items): (u32, u32),
         light: u32,
-        sample_index: u32,
+        (sample_index, width): (u32, f32),
     ) -> Result<(), GpuError> {
         let &Newton { solver, trials, surfaces, .. } = self;
-        let push = NewtonPush { first_slot, items, light, sample_index, solver, trials, surfaces };
+        let push = NewtonPush { first_slot, items, light, sample_index, solver, trials, surfaces, width };
         let bindings = [&frame.bindings, mnee, &self.bindings];
         recorder.pass("mnee/newton")?.dispatch(&self.kernel, &bindings, &push, items)?;
         Ok(())

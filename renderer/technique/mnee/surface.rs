@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use crate::scene::adjacency::{Adjacency, Neighbour};
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Mesh, Scene};
 
 /// In place of a triangle: an open edge, or an instance that does not refract.
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -28,7 +28,7 @@ crate::gpu_struct! {
         pub corner: [u32; 3],
         pub instance: u32,
         pub across: [u32; 3],
-        pub primitive: u32,
+        pub padding0: u32,
     }
 }
 
@@ -120,25 +120,31 @@ fn append_triangles(triangles: &mut Vec<SpecularTriangle>, scene: &Scene, instan
     let mesh = &scene.meshes[scene.instances[instance as usize].mesh];
     let adjacency = Adjacency::of(mesh);
     let first_triangle = triangles.len() as u32;
-    for (index, (corners, neighbours)) in mesh.triangles.iter().zip(&adjacency.neighbours).enumerate() {
-        let across = neighbours.map(|neighbour| match neighbour {
-            Neighbour::Triangle(there) => edge_back(&adjacency, there, index as u32)
-                .map_or(NO_TRIANGLE, |edge| 4 * (first_triangle + there) + edge),
+    for (corners, neighbours) in mesh.triangles.iter().zip(&adjacency.neighbours) {
+        let edges = neighbours.iter().enumerate().map(|(edge, neighbour)| match *neighbour {
+            Neighbour::Triangle(there) => {
+                edge_back(mesh, there, corners, edge).map_or(NO_TRIANGLE, |back| 4 * (first_triangle + there) + back)
+            }
             Neighbour::Boundary | Neighbour::NonManifold(_) => NO_TRIANGLE,
         });
+        let mut across = [NO_TRIANGLE; 3];
+        across.iter_mut().zip(edges).for_each(|(slot, edge)| *slot = edge);
         triangles.push(SpecularTriangle {
             corner: corners.map(|corner| corner + first_vertex),
             instance,
             across,
-            primitive: index as u32,
+            padding0: 0,
         });
     }
 }
 
-/// The edge of triangle `there` over which `here` lies.
-fn edge_back(adjacency: &Adjacency, there: u32, here: u32) -> Option<u32> {
-    let edges = adjacency.neighbours.get(there as usize)?;
-    edges.iter().position(|&n| n == Neighbour::Triangle(here)).map(|edge| edge as u32)
+/// The edge of triangle `there` that runs the other way along edge `edge` of the triangle with `corners`; `None` where the
+/// two face different sides.
+fn edge_back(mesh: &Mesh, there: u32, corners: &[u32; 3], edge: usize) -> Option<u32> {
+    let position = |corner: u32| mesh.positions[corner as usize];
+    let (from, to) = (position(corners[edge]), position(corners[(edge + 1) % 3]));
+    let other = mesh.triangles.get(there as usize)?;
+    (0..3usize).find(|&e| position(other[e]) == to && position(other[(e + 1) % 3]) == from).map(|e| e as u32)
 }
 
 /// Axis and cosine of the half angle of a cone that holds an instance's shading normals in world space.
