@@ -1,0 +1,102 @@
+//! The technique `mnee` by itself: how soon it is how good, and what it costs on top of a frame as water gets finer.
+//!
+//! `cargo bench --bench mnee` does both on small pictures; `-- --part quality` or `-- --part scaling` does one.
+//! `-- --part quality --truth T.exr --mask M.png --size 480x360 --samples 256` holds the pool against another truth;
+//! `-- --part scaling --size 960x720 --samples 2` is the paper's picture. `--adaptive 8,32` and `--quads 8,256` name
+//! budgets and tessellations. Prints tables and writes `target/bench/mnee.json`.
+//!
+//! Times of passes are the device's clock. On a machine with other work on it their ratios within one row hold, and no
+//! more.
+
+#[path = "mnee/quality.rs"]
+mod quality;
+#[path = "report/mod.rs"]
+mod report;
+#[path = "mnee/scaling.rs"]
+mod scaling;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use nephroid::render::{RenderSettings, Renderer};
+use nephroid::technique::TechniqueKind;
+
+/// What was asked for; `None` and empty are each part's own choice.
+pub struct Options {
+    scene: PathBuf,
+    camera: Option<String>,
+    layer: String,
+    truth: PathBuf,
+    mask: Option<PathBuf>,
+    size: Option<(u32, u32)>,
+    samples: Option<u32>,
+    adaptive: Vec<u32>,
+    quads: Vec<u32>,
+    parts: Vec<String>,
+    settings: RenderSettings,
+}
+
+const PARTS: [&str; 2] = ["quality", "scaling"];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = options(std::env::args().skip(1))?;
+    let mut results = serde_json::Map::new();
+    for part in &options.parts {
+        let result = if part == PARTS[0] { quality::measure(&options)? } else { scaling::measure(&options)? };
+        results.insert(part.clone(), result);
+    }
+    report::write("mnee", results.into())
+}
+
+/// The device and what became of its capabilities.
+pub fn about(renderer: &Renderer) -> String {
+    format!("{}, {}", renderer.device().info.describe(), renderer.tier())
+}
+
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+    let mut options = Options {
+        scene: "scenes/pool.toml".into(),
+        camera: None,
+        layer: "refracted".to_string(),
+        truth: "tests/truth/pool_under_120x90.exr".into(),
+        mask: None,
+        size: None,
+        samples: None,
+        adaptive: vec![4, 8, 12, 16, 32, 64],
+        quads: vec![8, 32, 128, 256, 512, 1024],
+        parts: PARTS.map(str::to_string).to_vec(),
+        settings: RenderSettings { technique: TechniqueKind::Mnee, trace: "bvh".parse()?, ..Default::default() },
+    };
+    while let Some(name) = arguments.next() {
+        // Cargo passes --bench to every bench.
+        if name == "--bench" {
+            continue;
+        }
+        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+        match name.as_str() {
+            "--part" if PARTS.contains(&value.as_str()) => options.parts = vec![value],
+            "--part" => return Err(format!("--part is \"{value}\"; allowed are {}", PARTS.join(" and ")).into()),
+            "--scene" => options.scene = value.into(),
+            "--camera" => options.camera = Some(value),
+            "--layer" => options.layer = value,
+            "--truth" => options.truth = value.into(),
+            "--mask" => options.mask = Some(value.into()),
+            "--samples" => options.samples = Some(value.parse()?),
+            "--adaptive" => options.adaptive = numbers(&value)?,
+            "--quads" => options.quads = numbers(&value)?,
+            "--trace" => options.settings.trace = value.parse()?,
+            "--device" => options.settings.device.device = Some(value),
+            "--set" => options.settings.set.push(value),
+            "--size" => {
+                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
+                options.size = Some((width.parse()?, height.parse()?));
+            }
+            other => return Err(format!("unknown option {other}").into()),
+        }
+    }
+    Ok(options)
+}
+
+fn numbers(list: &str) -> Result<Vec<u32>, Box<dyn Error>> {
+    list.split(',').map(|number| Ok(number.trim().parse()?)).collect()
+}
