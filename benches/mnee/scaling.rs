@@ -35,7 +35,7 @@ struct Row {
     /// CPU time to read the scene, open the device, build trees and find neighbours.
     set_up_seconds: f64,
     passes: Vec<Pass>,
-    /// Milliseconds of the first sample beyond a later one, of the passes that make up caustics.
+    /// Milliseconds of the passes that no later sample has.
     once: f64,
     /// Milliseconds a later sample.
     caustics: f64,
@@ -128,7 +128,7 @@ fn run(
         camera: stats.camera,
         triangles: triangles(renderer.scene()),
         set_up_seconds,
-        once: sum(true, &|pass| pass.first - pass.later),
+        once: sum(true, &|pass| if pass.later == 0.0 { pass.first } else { 0.0 }),
         caustics: sum(true, &|pass| pass.later),
         frame: sum(false, &|pass| pass.later),
         passes,
@@ -196,10 +196,10 @@ fn print(row: &Row, coarsest: &Row) {
 }
 
 /// Milliseconds a later sample of every pass by size, and of those that only the first sample has; then how often what
-/// happened.
+/// happened, in all samples.
 fn print_passes(rows: &[&Row]) {
     let Some(finest) = rows.last() else { return };
-    println!("\n{}: ms a later sample, in brackets of the first where no other has any", finest.camera);
+    println!("\n{}: ms a later sample, in brackets the first one's where no other has any", finest.camera);
     let columns =
         |cell: &dyn Fn(&Row) -> String| rows.iter().map(|row| format!(" {:>10}", cell(row))).collect::<String>();
     println!("{:<34}{}", "triangles", columns(&|row| row.triangles.to_string()));
