@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn samples_go_where_the_variance_is() {
-        // One column in the middle varies ten thousand times as much: counts near it are 10000^0.4 = 40 times as high.
+        // One column in the middle varies ten thousand times as much: counts near it are 10000^0.5 = 100 times as high.
         let squares: Vec<f32> = (0..PIXELS).map(|p| if p % 31 == 15 { 1e4 } else { 1.0 }).collect();
         let extra = extra_samples(&squares, WIDTH, 2, 16);
         let column = |x: usize| -> u32 { (0..17).map(|y| extra[y * 31 + x]).sum::<u32>() / 17 };
