@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Case { name: "walks_find_the_starts_curve", needs: &[], disable: "", run: walks },
         Case { name: "the_pool_is_the_truth", needs: &[], disable: "", run: truth },
         Case { name: "the_rest_is_the_references", needs: &[], disable: "", run: rest },
+        Case { name: "paths_leave_the_water_near_the_origin", needs: &[], disable: "", run: near_the_origin },
         Case { name: "tracing_tiers_agree", needs: &[], disable: "", run: tiers },
         Case { name: "equal_inputs_give_equal_bits", needs: &[], disable: "", run: bits },
         Case { name: "all_numbers_are_finite", needs: &[], disable: "", run: finite },
@@ -311,6 +312,15 @@ fn rest(request: &Request) {
         // The photons' picture is put into the film and taken out again: rounding, and no more.
         assert!(mean > 0.0 && worst < 1e-4, "{name}: {worst}");
     }
+}
+
+fn near_the_origin(request: &Request) {
+    // Where the water's own coordinates are small, its rounding is still that of the points 50 m below.
+    let light = lamp(Vec3::new(0.01, 20.0, 0.02));
+    let scene = pool(meshes::height_field(61, 32, 2.0, 0.02), 50.0, 40.0, vec![light]);
+    let answers = ask(request, &scene, &floor(1000, 0.5, 50.0, 7), "bvh", &[]);
+    assert_eq!(answers.count("rejected_second_crossing"), 0.0);
+    assert_eq!(answers.count("paths"), answers.count("roots"));
 }
 
 fn tiers(request: &Request) {

@@ -47,7 +47,9 @@ void sort(inout Root roots[MAX_PATHS], uint number) {
 
 // The path's segment between surface and light, or between visible point and surface.
 Ray segment_of(Query query, Path path, bool to_light) {
-    float away = 2e-6 * max(path.reach, 1e-3); // as leave() in shared/surface.glsl
+    // As leave() in shared/surface.glsl; but M is P and a step from it, so that P's rounding is in it too.
+    vec3 from = abs(query.point);
+    float away = 2e-6 * max(max(path.reach, 1e-3), max(max(from.x, from.y), from.z));
     bool light_in_front = dot(path.to_light, path.geometric) > 0.0;
     vec3 off = away * (light_in_front == to_light ? path.geometric : -path.geometric);
     return to_light ? Ray(query.point + path.at + off, 0.0, path.to_light, path.light_distance)

@@ -282,7 +282,7 @@ impl Mnee {
         if !self.surface_is_current {
             self.surface.record(recorder, &frame.bindings)?;
             if let Some(footprints) = &self.footprints {
-                footprints.record(recorder, &frame.bindings, &self.surface)?;
+                footprints.record(recorder, (&frame.bindings, &self.bindings), &self.surface)?;
             }
             self.surface_is_current = true;
         }
