@@ -139,7 +139,7 @@ fn unbiased_and_walk(request: &Request) {
 }
 
 fn biased_and_walk(request: &Request) {
-    let energy = |set: &[&str]| caustic(&render(request, "pool.toml", (48, 36), 2, set)).iter().sum::<f64>();
+    let energy = |set: &[&str]| caustic(&render(request, "pool.toml", (32, 24), 2, set)).iter().sum::<f64>();
     let walk = energy(&[WALK]);
     let ratios = ["mnee.trials=1", "mnee.trials=5", "mnee.trials=50"].map(|trials| energy(&[BIASED, trials]) / walk);
     println!("energy over the walk's by 1, 5 and 50 starts: {ratios:?}");
@@ -162,8 +162,8 @@ fn cap(request: &Request) {
 
 fn bits(request: &Request) {
     for set in [NEWTON, BIASED, UNBIASED] {
-        let first = render(request, "pool.toml", (64, 48), 2, &[set, "mnee.trials=5"]).image;
-        let second = render(request, "pool.toml", (64, 48), 2, &[set, "mnee.trials=5"]).image;
+        let first = render(request, "pool.toml", (48, 36), 1, &[set, "mnee.trials=5"]).image;
+        let second = render(request, "pool.toml", (48, 36), 1, &[set, "mnee.trials=5"]).image;
         let same = layer(&first, "final") == layer(&second, "final");
         assert!(same, "{set}: equal seeds, different bits");
     }
