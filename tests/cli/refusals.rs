@@ -90,7 +90,8 @@ fn unknown_names() {
 
     for technique in ["none", "reference"] {
         let sentence = format!(
-            "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} does not"
+            "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} with \
+             these settings does not"
         );
         fails(&format!("scene.toml -o kept.exr --technique {technique} --adaptive"), &sentence);
     }

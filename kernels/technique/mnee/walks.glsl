@@ -17,8 +17,8 @@ struct Walk {
     uint item;       // pixel layer, counted from the chunk's first
     uint start;      // triangle that holds the walk's first point
     uint steps;
-    vec2 start_ends; // where the arc through that point crosses the triangle's boundary
     uint padding0;
+    vec2 start_ends; // where the arc through that point crosses the triangle's boundary
 };
 
 // Part of the curve on which the objective has a zero, or may have two.

@@ -110,8 +110,8 @@ crate::gpu_struct! {
         pub item: u32,
         pub start: u32,
         pub steps: u32,
-        pub start_ends: [f32; 2],
         pub padding0: u32,
+        pub start_ends: [f32; 2],
     }
 }
 
