@@ -399,7 +399,8 @@ impl Technique for Mnee {
         let mut warnings = self.useless.clone();
         for entry in self.counters()? {
             if entry.value > 0.0 && DROPPED.contains(&entry.name) {
-                warnings.push(format!("mnee found no room for {} {}; some light is missing", entry.value, entry.name));
+                let what = entry.name.trim_end_matches("_dropped");
+                warnings.push(format!("mnee had no room for {} {what}; some light may be missing", entry.value));
             }
         }
         Ok(warnings)
