@@ -158,6 +158,7 @@ fn water() -> Scene {
         textures: Vec::new(),
         media: Vec::new(),
         lights: Vec::new(),
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

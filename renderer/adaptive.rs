@@ -9,7 +9,7 @@
 mod allocation;
 
 use crate::film::{Film, SampleCounts, VISIBLE_LAYERS};
-use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
+use crate::gpu::{Binding, Bindings, Buffer, Device, GpuError, Kernel, Recorder};
 
 crate::gpu_struct! {
     /// Which sample of which pixel a slot stands for; see `kernels/shared/round.glsl`.
@@ -101,6 +101,22 @@ impl Adaptive {
             pilot: allocation::pilot(samples),
             line: Vec::new(),
         })
+    }
+
+    /// Forgets the pilot and what it decided.
+    pub fn clear(&mut self, device: &Device) -> Result<(), GpuError> {
+        self.line.clear();
+        let mut recorder = Recorder::new(device)?;
+        let mut pass = recorder.pass("film/clear")?;
+        pass.fill(&self.plans, 0).fill(&self.moments, 0);
+        for block in ["FilmDirect", "FilmAlbedo", "FilmNormal"] {
+            if let Some(Binding::Buffer(buffer)) = self.round.get(block) {
+                pass.fill(buffer, 0);
+            }
+        }
+        drop(pass);
+        recorder.submit()?;
+        Ok(())
     }
 
     /// What takes the place of the film for the kernels that find one round's samples.

@@ -47,13 +47,6 @@ impl Film {
         let irradiance = buffer("film irradiance", 1)?;
         let sample_irradiance = buffer("sample irradiance", VISIBLE_LAYERS)?;
         let counters = Buffer::new(device, "film counters", 16)?;
-        let mut recorder = Recorder::new(device)?;
-        let mut pass = recorder.pass("film/clear")?;
-        for buffer in [&direct, &albedo, &normal, &caustic, &irradiance, &sample_irradiance, &counters] {
-            pass.fill(buffer, 0);
-        }
-        drop(pass);
-        recorder.submit()?;
         let bindings = Bindings::new()
             .buffer("FilmDirect", &direct)
             .buffer("FilmAlbedo", &albedo)
@@ -62,7 +55,7 @@ impl Film {
             .buffer("FilmIrradiance", &irradiance)
             .buffer("SampleIrradiance", &sample_irradiance)
             .buffer("Counters", &counters);
-        Ok(Film {
+        let film = Film {
             bindings,
             width,
             rows: band.count,
@@ -73,7 +66,22 @@ impl Film {
             irradiance,
             sample_irradiance,
             counters,
-        })
+        };
+        film.clear(device)?;
+        Ok(film)
+    }
+
+    /// Forgets all samples.
+    pub fn clear(&self, device: &Device) -> Result<(), GpuError> {
+        let mut recorder = Recorder::new(device)?;
+        let mut pass = recorder.pass("film/clear")?;
+        let Film { direct, albedo, normal, caustic, irradiance, sample_irradiance, counters, .. } = self;
+        for buffer in [direct, albedo, normal, caustic, irradiance, sample_irradiance, counters] {
+            pass.fill(buffer, 0);
+        }
+        drop(pass);
+        recorder.submit()?;
+        Ok(())
     }
 
     /// Pixels of the band.

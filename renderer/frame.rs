@@ -69,6 +69,9 @@ pub struct Frame {
     /// Scene, tracer, view, visible points and film: what a technique's kernels see.
     pub bindings: Bindings,
     pub film: Film,
+    /// Of `bindings`, what is the frame's own.
+    own: Bindings,
+    view: Buffer,
     adaptive: Option<Adaptive>,
     visibility: Visibility,
     primary_ids: Buffer,
@@ -106,12 +109,11 @@ impl Frame {
         } else {
             Visibility::Rays { primary: Kernel::new(device, "frame/primary", variant)? }
         };
-        let bindings = scene
+        let view_buffer = Buffer::from_slice(device, "view", &[*view])?;
+        let own = film
             .bindings
             .clone()
-            .and(&tracer.bindings)
-            .and(&film.bindings)
-            .buffer("Views", &Buffer::from_slice(device, "view", &[*view])?)
+            .buffer("Views", &view_buffer)
             .buffer("PrimaryIds", &primary_ids)
             .buffer("RoundSamples", &Buffer::new(device, "round samples", listed * size_of::<RoundSample>() as u64)?)
             .buffer("VisiblePoints", &Buffer::new(device, "visible points", points * size_of::<VisiblePoint>() as u64)?)
@@ -120,8 +122,10 @@ impl Frame {
                 &Buffer::new(device, "visible shades", points * size_of::<VisibleShade>() as u64)?,
             );
         Ok(Frame {
-            bindings,
+            bindings: scene.bindings.clone().and(&tracer.bindings).and(&own),
             film,
+            own,
+            view: view_buffer,
             adaptive,
             visibility,
             primary_ids,
@@ -131,6 +135,18 @@ impl Frame {
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
         })
+    }
+
+    /// Starts over with no samples, through `view` and on what `scene` and `tracer` have become. The view's size, the
+    /// scene's number of instances and their triangles are as they were.
+    pub fn restart(&mut self, device: &Device, scene: &GpuScene, tracer: &Tracer, view: &View) -> Result<(), GpuError> {
+        self.bindings = scene.bindings.clone().and(&tracer.bindings).and(&self.own);
+        self.view.upload(bytemuck::bytes_of(view))?;
+        self.seed = view.seed;
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.clear(device)?;
+        }
+        self.film.clear(device)
     }
 
     /// What the visibility stage is made of.

@@ -101,6 +101,8 @@ pub struct GpuScene {
     /// One a mesh of the scene.
     pub meshes: Vec<MeshRange>,
     pub instances: Vec<records::Instance>,
+    instance_records: Buffer,
+    light_records: Buffer,
     /// World space, of all instances.
     pub bounds: Bounds,
 }
@@ -115,17 +117,29 @@ impl GpuScene {
         let materials: Vec<_> = scene.materials.iter().map(pack_material).collect();
         let media: Vec<_> = scene.media.iter().map(pack_medium).collect();
         let lights: Vec<_> = scene.lights.iter().map(pack_light).collect();
+        let instance_records = Buffer::from_slice(device, "scene instances", &instances)?;
+        let light_records = Buffer::from_slice(device, "scene lights", &lights)?;
         let (textures, texels) = pack_textures(&scene.textures);
         let bindings = Bindings::new()
             .buffer("Vertices", &vertices)
             .buffer("Indices", &indices)
-            .buffer("Instances", &Buffer::from_slice(device, "scene instances", &instances)?)
+            .buffer("Instances", &instance_records)
             .buffer("Materials", &Buffer::from_slice(device, "scene materials", &materials)?)
             .buffer("Media", &Buffer::from_slice(device, "scene media", &media)?)
-            .buffer("Lights", &Buffer::from_slice(device, "scene lights", &lights)?)
+            .buffer("Lights", &light_records)
             .buffer("Textures", &Buffer::from_slice(device, "scene textures", &textures)?)
             .buffer("Texels", &Buffer::from_slice(device, "scene texels", &texels)?);
-        Ok(GpuScene { bindings, vertices, indices, meshes, instances, bounds: scene.bounds() })
+        let bounds = scene.bounds();
+        Ok(GpuScene { bindings, vertices, indices, meshes, instances, instance_records, light_records, bounds })
+    }
+
+    /// Follows instances and lights that have moved. Vertices are left to whoever moves them.
+    pub fn follow(&mut self, scene: &Scene) -> Result<(), GpuError> {
+        self.instances = pack_instances(scene, &self.meshes);
+        self.bounds = scene.bounds();
+        let lights: Vec<_> = scene.lights.iter().map(pack_light).collect();
+        self.instance_records.upload(bytemuck::cast_slice(&self.instances))?;
+        self.light_records.upload(bytemuck::cast_slice(&lights))
     }
 }
 

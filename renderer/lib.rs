@@ -4,6 +4,7 @@
 //! [`render`] puts them in order.
 
 pub mod adaptive;
+pub mod animate;
 pub mod commands;
 pub mod film;
 pub mod frame;

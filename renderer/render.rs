@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::adaptive::AdaptiveStats;
+use crate::animate::Animator;
 use crate::film::{self, FilmRows, LARGEST_BYTES_PER_PIXEL};
 use crate::frame::{Frame, Sampling};
 use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
@@ -32,6 +33,8 @@ pub struct RenderSettings {
     /// Spend the samples where pixels vary; `samples` is then their mean number.
     pub adaptive: bool,
     pub seed: u32,
+    /// Of the scene's animation; see [`crate::scene::Animation::time`].
+    pub frame: u32,
     /// `technique.key=value`.
     pub set: Vec<String>,
 }
@@ -80,11 +83,15 @@ pub struct Renderer {
     device: Device,
     scene: Scene,
     gpu_scene: GpuScene,
+    animator: Animator,
+    frame: u32,
     tracer: Tracer,
     trace_choice: String,
     technique_kind: TechniqueKind,
     settings: Settings,
+    /// The one looked through; the scene's own of that name, unless [`set_camera`](Renderer::set_camera) took another.
     camera: Camera,
+    own_camera: bool,
     size: (u32, u32),
     samples: u32,
     sampling: Sampling,
@@ -96,15 +103,16 @@ pub struct Renderer {
 }
 
 struct BandState {
+    rows: Band,
     frame: Frame,
     technique: Option<Box<dyn Technique>>,
 }
 
 impl Renderer {
     /// Opens the device, uploads the scene and makes every pipeline.
-    pub fn new(scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+    pub fn new(mut scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let started = Instant::now();
-        let camera = camera(&scene, settings.camera.as_deref())?.clone();
+        let camera_name = camera(&scene, settings.camera.as_deref())?.name.clone();
         let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
         check_size(size)?;
         let samples = settings.samples.unwrap_or(scene.film.samples);
@@ -117,40 +125,112 @@ impl Renderer {
         }
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
         let device = Device::open(&settings.device)?;
-        let gpu_scene = GpuScene::new(&device, &scene)?;
+        let mut gpu_scene = GpuScene::new(&device, &scene)?;
+        let mut animator = Animator::new(&device, &scene, &gpu_scene)?;
+        let mut passes = Vec::new();
+        if scene.animation.moves() {
+            stats::add_times(&mut passes, &animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?.times);
+        }
+        let camera = camera(&scene, Some(&camera_name))?.clone();
         let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         let mut renderer = Renderer {
             device,
             scene,
             gpu_scene,
+            animator,
+            frame: settings.frame,
             tracer,
             trace_choice: choice.reason,
             technique_kind: settings.technique,
             settings: technique_settings,
             camera,
+            own_camera: true,
             size,
             samples,
             sampling,
             seed: settings.seed,
             bands: Vec::new(),
             done: 0,
-            passes: Vec::new(),
+            passes,
             started,
         };
         renderer.make_bands()?;
         Ok(renderer)
     }
 
-    /// Forgets all samples: after a kernel has changed they are another picture's.
-    #[cfg(feature = "hot-reload")]
+    /// Forgets all samples. Pipelines and buffers stay.
     pub fn restart(&mut self) -> Result<(), RenderError> {
-        self.bands.clear();
-        self.passes.clear();
         self.done = 0;
-        Ok(self.make_bands()?)
+        let views: Vec<View> = self.bands.iter().map(|band| self.view(band.rows)).collect();
+        let Self { device, scene, gpu_scene, tracer, bands, seed, .. } = self;
+        for (BandState { frame, technique, .. }, view) in bands.iter_mut().zip(&views) {
+            frame.restart(device, gpu_scene, tracer, view)?;
+            if let Some(technique) = technique {
+                technique.restart(&Context { device, scene, tracer, frame, seed: *seed })?;
+            }
+        }
+        Ok(())
     }
 
+    /// Goes to a frame of the scene's animation and forgets all samples.
+    pub fn go_to(&mut self, frame: u32) -> Result<(), RenderError> {
+        self.frame = frame;
+        self.passes.clear();
+        if self.scene.animation.moves() {
+            let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
+            stats::add_times(&mut self.passes, &moved.times);
+            self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
+            if self.own_camera {
+                self.camera = camera(&self.scene, Some(&self.camera.name))?.clone();
+            }
+        }
+        self.restart()
+    }
+
+    /// The frame of the scene's animation that is shown.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
+    /// Looks through `camera` from now on, at whatever frame, and forgets all samples.
+    pub fn set_camera(&mut self, camera: Camera) -> Result<(), RenderError> {
+        (self.camera, self.own_camera) = (camera, false);
+        self.restart()
+    }
+
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Renders pictures of another size from now on, and forgets all samples.
+    pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), RenderError> {
+        check_size(size)?;
+        self.size = size;
+        self.make_bands()?;
+        Ok(())
+    }
+
+    /// Renders by another technique, or the same with other settings, and forgets all samples.
+    pub fn set_technique(&mut self, kind: TechniqueKind, set: &[String]) -> Result<(), RenderError> {
+        let settings = Settings::parse(kind, set)?;
+        if self.sampling != Sampling::Uniform && !kind.per_sample(&settings) {
+            return Err(RenderError::NotAdaptive { technique: kind.name() });
+        }
+        (self.technique_kind, self.settings) = (kind, settings);
+        self.passes.clear();
+        self.make_bands()?;
+        Ok(())
+    }
+
+    /// The bands anew, without samples.
     fn make_bands(&mut self) -> Result<(), GpuError> {
+        self.bands.clear();
+        self.done = 0;
         for band in bands(self.size, self.device.info.limits.storage_range) {
             let state = self.band(band)?;
             self.bands.push(state);
@@ -158,17 +238,21 @@ impl Renderer {
         Ok(())
     }
 
-    fn band(&self, band: Band) -> Result<BandState, GpuError> {
-        let view = View {
+    fn view(&self, band: Band) -> View {
+        View {
             seed: self.seed,
             lights: self.scene.lights.len() as u32,
             ..View::new(&self.camera, &self.scene.film, self.size, band)
-        };
+        }
+    }
+
+    fn band(&self, band: Band) -> Result<BandState, GpuError> {
+        let view = self.view(band);
         let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
         let context =
             Context { device: &self.device, scene: &self.scene, tracer: &self.tracer, frame: &frame, seed: self.seed };
         let technique = technique::create(self.technique_kind, &self.settings, &context)?;
-        Ok(BandState { frame, technique })
+        Ok(BandState { rows: band, frame, technique })
     }
 
     /// Samples that were asked for.
@@ -213,7 +297,7 @@ impl Renderer {
 
     /// The first band's noise stands for the picture's.
     fn noise(&self) -> Result<Option<f32>, GpuError> {
-        let Some(BandState { frame, technique: Some(technique) }) = self.bands.first() else { return Ok(None) };
+        let Some(BandState { frame, technique: Some(technique), .. }) = self.bands.first() else { return Ok(None) };
         frame.film.noise(&frame.sample_counts(self.done), |samples| technique.second_half(samples))
     }
 

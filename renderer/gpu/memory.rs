@@ -125,6 +125,11 @@ impl Buffer {
 
     /// Writes `bytes` to the start of the buffer and waits.
     pub fn upload(&self, bytes: &[u8]) -> Result<(), GpuError> {
+        self.upload_at(0, bytes)
+    }
+
+    /// Writes `bytes` from byte `offset` of the buffer on, a multiple of four, and waits.
+    pub fn upload_at(&self, offset: u64, bytes: &[u8]) -> Result<(), GpuError> {
         if bytes.is_empty() {
             return Ok(());
         }
@@ -132,7 +137,7 @@ impl Buffer {
         for (index, chunk) in bytes.chunks(CHUNK).enumerate() {
             staging.write_mapped(chunk)?;
             let mut recorder = Recorder::new(&self.device)?;
-            let at = (index * CHUNK) as u64;
+            let at = offset + (index * CHUNK) as u64;
             recorder.pass("memory/upload")?.copy(&staging, 0, self, at, chunk.len() as u64);
             recorder.submit()?;
         }

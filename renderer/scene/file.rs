@@ -96,6 +96,7 @@ fn empty_scene(path: &Path) -> Scene {
         textures: Vec::new(),
         media: vec![air],
         lights: Vec::new(),
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

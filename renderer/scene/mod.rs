@@ -4,6 +4,7 @@
 //! [`crate::gpu_scene`].
 
 pub mod adjacency;
+pub mod animation;
 pub mod error;
 mod file;
 pub mod height_field;
@@ -24,6 +25,7 @@ use std::path::PathBuf;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+pub use animation::Animation;
 pub use error::SceneError;
 pub use file::{load, parse};
 
@@ -50,6 +52,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     pub media: Vec<Medium>,
     pub lights: Vec<Light>,
+    pub animation: Animation,
     /// What was mended while loading (degenerate triangles dropped, say), a sentence each.
     pub warnings: Vec<String>,
 }

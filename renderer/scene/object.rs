@@ -2,12 +2,13 @@
 
 use glam::{Affine3A, DVec2, DVec3};
 
+use super::animation::{Simulation, Water, WaterMotion};
 use super::error::SceneError;
 use super::file::{find_name, read_name};
 use super::height_field::{Bump, HeightField, Relief, Wave};
 use super::obj::{self, Loaded};
 use super::shapes::{Face, cuboid, cylinder, plane, sphere};
-use super::value::{ANGLE, COORDINATE, LENGTH, Node, Table};
+use super::value::{ANGLE, COORDINATE, LENGTH, Node, QUANTITY, Table};
 use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, texture, transform};
 
 /// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.24 GB on the host.
@@ -44,7 +45,7 @@ impl Shape {
             Shape::Box => &["centre", "size", "faces", "inward"],
             Shape::Sphere => &["centre", "radius", "segments"],
             Shape::Cylinder => &["centre", "radius", "height", "segments", "subdivisions"],
-            Shape::HeightField => &["x", "z", "base", "quads", "waves", "bumps", "image"],
+            Shape::HeightField => &["x", "z", "base", "quads", "waves", "bumps", "image", "motion"],
         }
     }
 
@@ -96,12 +97,16 @@ fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene:
         table.need("material", "the name of a material")?;
         return Ok(());
     };
+    let field = match shape {
+        Shape::HeightField => Some(read_height_field(table)?),
+        _ => None,
+    };
     let mut mesh = match shape {
         Shape::Plane => read_plane(table, name)?,
         Shape::Box => read_box(table, name)?,
         Shape::Sphere => read_sphere(table, name)?,
         Shape::Cylinder => read_cylinder(table, name)?,
-        Shape::HeightField | Shape::Obj => read_height_field(table)?.mesh(name),
+        Shape::HeightField | Shape::Obj => field.as_ref().map(|field| field.mesh(name)).unwrap_or_default(),
     };
     let dropped = mend::drop_degenerate(&mut mesh);
     if dropped > 0 {
@@ -111,6 +116,10 @@ fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene:
         return Err(table.need("shape", "")?.refuse("a size at which f32 coordinates tell its vertices apart"));
     }
     scene.meshes.push(mesh);
+    if let (Some(field), Some(node)) = (field, table.get("motion")) {
+        let motion = read_motion(&node)?;
+        scene.animation.waters.push(Water { mesh: scene.meshes.len() - 1, field, motion });
+    }
     place(table, scene, name, scene.meshes.len() - 1, material, placement)
 }
 
@@ -187,6 +196,18 @@ fn read_height_field(table: &Table) -> Result<HeightField, SceneError> {
         bumps: read_each(table, "bumps", read_bump)?,
         relief: table.get("image").map(|node| read_relief(&node)).transpose()?,
     })
+}
+
+fn read_motion(node: &Node) -> Result<WaterMotion, SceneError> {
+    let table = node.table("`motion`", &["kind", "depth", "speed", "damping"])?;
+    match table.need("kind", "\"waves\", \"simulated\"")?.choice(&[("waves", false), ("simulated", true)])? {
+        false => Ok(WaterMotion::Waves { depth: table.get("depth").map(|node| node.number(LENGTH)).transpose()? }),
+        true => Ok(WaterMotion::Simulated(Simulation {
+            speed: table.need("speed", "metres per second")?.number(LENGTH)?,
+            damping: table.or("damping", 0.0, |node| node.number(QUANTITY))?,
+            drops: Vec::new(),
+        })),
+    }
 }
 
 fn read_side(table: &Table, key: &str) -> Result<[f64; 2], SceneError> {

@@ -102,6 +102,10 @@ pub struct CounterEntry {
 
 /// Adds caustic light to a frame's film.
 pub trait Technique {
+    /// Starts over with no samples, after `context.frame` has. The scene's vertices, transforms, lights and the camera
+    /// may be others; its meshes have the triangles they had, and there are as many lights and pixels.
+    fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError>;
+
     /// Records what belongs to sample `index`, after the frame's own passes: afterwards the film's caustic layers
     /// hold the technique's estimate from all samples up to this one.
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError>;

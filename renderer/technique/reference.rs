@@ -174,6 +174,7 @@ pub const LAYOUTS: &[Layout] = &[
     ResolvePush::LAYOUT,
 ];
 
+#[derive(Clone)]
 struct Kernels {
     prepare: Kernel,
     emit: Kernel,
@@ -186,8 +187,26 @@ struct Kernels {
     resolve: Kernel,
 }
 
+impl Kernels {
+    fn new(context: &Context<'_>) -> Result<Self, GpuError> {
+        let plain = |name: &str| Kernel::new(context.device, &format!("reference/{name}"), "");
+        Ok(Kernels {
+            prepare: plain("prepare")?,
+            emit: Kernel::new(context.device, "reference/emit", context.tracer.backend.variant())?,
+            count: plain("count")?,
+            scan_blocks: plain("scan_blocks")?,
+            scan_sums: plain("scan_sums")?,
+            scan_add: plain("scan_add")?,
+            scatter: plain("scatter")?,
+            gather: plain("gather")?,
+            resolve: plain("resolve")?,
+        })
+    }
+}
+
 /// The technique's state for one band.
 pub struct Reference {
+    settings: Settings,
     kernels: Kernels,
     bindings: Bindings,
     /// Where the picture goes that is to be added to another technique's; the film otherwise.
@@ -209,6 +228,10 @@ pub struct Reference {
 
 impl Reference {
     pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
+        Self::with(settings, Kernels::new(context)?, context)
+    }
+
+    fn with(settings: &Settings, kernels: Kernels, context: &Context<'_>) -> Result<Self, GpuError> {
         let device = context.device;
         let emission = emission(context.scene, EMISSION_CELLS.min(settings.integer("photons") as usize));
         let split = settings.choice("fresnel") == "split";
@@ -235,19 +258,9 @@ impl Reference {
             .buffer("SortedPhotons", &Buffer::new(device, "reference sorted photons", photon_bytes)?)
             .buffer("BlockSums", &Buffer::new(device, "reference block sums", u64::from(SCAN_BLOCK) * 4)?)
             .buffer("HalfFluxes", &Buffer::zeroed(device, "reference half fluxes", statistics * 4)?);
-        let plain = |name: &str| Kernel::new(device, &format!("reference/{name}"), "");
         Ok(Reference {
-            kernels: Kernels {
-                prepare: plain("prepare")?,
-                emit: Kernel::new(device, "reference/emit", context.tracer.backend.variant())?,
-                count: plain("count")?,
-                scan_blocks: plain("scan_blocks")?,
-                scan_sums: plain("scan_sums")?,
-                scan_add: plain("scan_add")?,
-                scatter: plain("scatter")?,
-                gather: plain("gather")?,
-                resolve: plain("resolve")?,
-            },
+            settings: settings.clone(),
+            kernels,
             bindings,
             picture: Bindings::new(),
             grid,
@@ -329,6 +342,13 @@ fn class_bits(paths: &str) -> u32 {
 }
 
 impl Technique for Reference {
+    /// Emission cells depend on where specular surfaces are, and with them the number of photons.
+    fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        let picture = std::mem::take(&mut self.picture);
+        *self = Reference { picture, ..Self::with(&self.settings, self.kernels.clone(), context)? };
+        Ok(())
+    }
+
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         if self.slots == 0 {
             return Ok(());

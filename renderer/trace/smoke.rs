@@ -95,6 +95,7 @@ fn scene() -> Scene {
         textures: Vec::new(),
         media: Vec::new(),
         lights: Vec::new(),
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

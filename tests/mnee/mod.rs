@@ -65,6 +65,7 @@ pub fn pool(waves: Mesh, depth: f32, size: f32, lights: Vec<Light>) -> Scene {
         textures: Vec::new(),
         media: vec![medium("air", 1.0), medium("water", WATER_INDEX as f32)],
         lights,
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

@@ -104,6 +104,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(usize, Affine3A)]) -> Scene {
         textures: Vec::new(),
         media: Vec::new(),
         lights: Vec::new(),
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

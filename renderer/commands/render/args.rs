@@ -52,6 +52,9 @@ pub struct RenderArgs {
     /// Equal seeds give equal bits on the same device
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u32,
+    /// The frame of the scene's animation to render
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    pub frame: u32,
     /// Index or part of the name of the device to use, see 'nephroid devices' [default: the most capable]
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
@@ -96,6 +99,7 @@ impl RenderArgs {
             samples: self.samples,
             adaptive: self.adaptive,
             seed: self.seed,
+            frame: self.frame,
             set: self.set.clone(),
         }
     }

@@ -39,6 +39,7 @@ fn scene(objects: Vec<(Mesh, Affine3A, usize)>, emitters: &[Emitter]) -> Scene {
         textures: Vec::new(),
         media: Vec::new(),
         lights: emitters.iter().map(light).collect(),
+        animation: Default::default(),
         warnings: Vec::new(),
     }
 }

@@ -76,6 +76,7 @@ pub struct Footprints {
 
 struct Grid {
     bindings: Bindings,
+    state: Buffer,
     heads: Buffer,
 }
 
@@ -83,35 +84,40 @@ impl Footprints {
     /// Makes room for every light: 112 bytes a triangle each, and 16 a vertex once.
     pub fn new(context: &Context<'_>, surface: &SpecularSurface) -> Result<Self, GpuError> {
         let device = context.device;
-        let bounds = context.scene.bounds();
         let variant = context.tracer.backend.variant();
         let landings = Buffer::new(device, "mnee landings", u64::from(surface.vertices) * size_of::<Landing>() as u64)?;
         let triangles = u64::from(surface.triangles);
-        let buckets = surface.triangles.clamp(MIN_BUCKETS / 4, MAX_BUCKETS / 4).next_power_of_two() * 4;
+        let first = first_state(context.scene, surface.triangles);
         let grid = |_| {
-            let state =
-                FootprintGrid { cell: first_cell(context.scene, surface.triangles), buckets, used: 0, padding0: 0 };
-            let heads = Buffer::new(device, "mnee footprint heads", u64::from(buckets) * 4)?;
+            let state = Buffer::from_slice(device, "mnee footprint grid", &[first])?;
+            let heads = Buffer::new(device, "mnee footprint heads", u64::from(first.buckets) * 4)?;
             let bindings = Bindings::new()
                 .buffer("Landings", &landings)
                 .buffer(
                     "Footprints",
                     &Buffer::new(device, "mnee footprints", triangles * size_of::<Footprint>() as u64)?,
                 )
-                .buffer("FootprintGrids", &Buffer::from_slice(device, "mnee footprint grid", &[state])?)
+                .buffer("FootprintGrids", &state)
                 .buffer("FootprintHeads", &heads)
                 .buffer("FootprintNext", &Buffer::new(device, "mnee footprint entries", triangles * CELLS * 4)?);
-            Ok(Grid { bindings, heads })
+            Ok(Grid { bindings, state, heads })
         };
-        let margin = 1e-3 * bounds.diagonal();
+        let (low, high, far) = reach(context.scene);
         Ok(Footprints {
             landing: Kernel::new(device, "mnee/landing", variant)?,
             footprint: Kernel::new(device, "mnee/footprint", "")?,
-            far: bounds.diagonal(),
-            low: (bounds.min - margin).to_array(),
-            high: (bounds.max + margin).to_array(),
+            far,
+            low,
+            high,
             grids: context.scene.lights.iter().map(grid).collect::<Result<_, GpuError>>()?,
         })
+    }
+
+    /// Follows a scene that has moved.
+    pub fn update(&mut self, scene: &Scene, surface: &SpecularSurface) -> Result<(), GpuError> {
+        (self.low, self.high, self.far) = reach(scene);
+        let first = first_state(scene, surface.triangles);
+        self.grids.iter().try_for_each(|grid| grid.state.upload(bytemuck::bytes_of(&first)))
     }
 
     /// Records the footprints of every light, for surfaces as they are then.
@@ -140,6 +146,19 @@ impl Footprints {
     pub fn bindings(&self, light: u32) -> &Bindings {
         &self.grids[light as usize].bindings
     }
+}
+
+/// The box in which footprints count, with room for rounding, and how far light can go in it, m.
+fn reach(scene: &Scene) -> ([f32; 3], [f32; 3], f32) {
+    let bounds = scene.bounds();
+    let margin = 1e-3 * bounds.diagonal();
+    ((bounds.min - margin).to_array(), (bounds.max + margin).to_array(), bounds.diagonal())
+}
+
+/// An empty grid for `triangles` footprints.
+fn first_state(scene: &Scene, triangles: u32) -> FootprintGrid {
+    let buckets = triangles.clamp(MIN_BUCKETS / 4, MAX_BUCKETS / 4).next_power_of_two() * 4;
+    FootprintGrid { cell: first_cell(scene, triangles), buckets, used: 0, padding0: 0 }
 }
 
 /// A power of two near a quarter of the mean edge of the refracting triangles, m: few footprints are smaller.

@@ -366,6 +366,24 @@ fn useless(settings: &Settings) -> Vec<String> {
 const DROPPED: [&str; 3] = ["walks_dropped", "arcs_dropped", "roots_dropped"];
 
 impl Technique for Mnee {
+    fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        self.surface.update(context.scene)?;
+        if let Some(footprints) = &mut self.footprints {
+            footprints.update(context.scene, &self.surface)?;
+        }
+        if let Some(newton) = &mut self.newton {
+            newton.restart(context)?;
+        }
+        if let Some(rest) = &mut self.rest {
+            rest.restart(context)?;
+        }
+        self.surface_is_current = false;
+        let mut recorder = Recorder::new(context.device)?;
+        recorder.pass("mnee/clear")?.fill(&self.counters, 0);
+        recorder.submit()?;
+        Ok(())
+    }
+
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         if let Some(rest) = &self.rest {
             rest.take_out(frame, recorder)?;

@@ -58,22 +58,19 @@ impl Newton {
             "sms-unbiased" => (2, TRIALS),
             _ => return Ok(None),
         };
-        let device = context.device;
         let trials = match settings.integer("trials") {
             0 => usual,
             trials => trials,
         };
-        let (surfaces, areas) = areas_of(context.scene);
-        let bindings = Bindings::new()
-            .buffer("StartSurfaces", &Buffer::from_slice(device, "mnee start surfaces", &surfaces)?)
-            .buffer("StartAreas", &Buffer::from_slice(device, "mnee start areas", &areas)?);
-        Ok(Some(Newton {
-            kernel: Kernel::new(device, "mnee/newton", context.tracer.backend.variant())?,
-            bindings,
-            solver,
-            trials,
-            surfaces: surfaces.len() as u32,
-        }))
+        let (bindings, surfaces) = start_surfaces(context)?;
+        let kernel = Kernel::new(context.device, "mnee/newton", context.tracer.backend.variant())?;
+        Ok(Some(Newton { kernel, bindings, solver, trials, surfaces }))
+    }
+
+    /// As [`Technique::restart`](crate::technique::Technique::restart).
+    pub fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        (self.bindings, self.surfaces) = start_surfaces(context)?;
+        Ok(())
     }
 
     /// Records all that is found for `items` pixel layers from `first_slot` on and one light, in sample `sample_index`;
@@ -92,6 +89,15 @@ impl Newton {
         recorder.pass("mnee/newton")?.dispatch(&self.kernel, &bindings, &push, items)?;
         Ok(())
     }
+}
+
+/// Where starts are drawn from, and on how many instances.
+fn start_surfaces(context: &Context<'_>) -> Result<(Bindings, u32), GpuError> {
+    let (surfaces, areas) = areas_of(context.scene);
+    let bindings = Bindings::new()
+        .buffer("StartSurfaces", &Buffer::from_slice(context.device, "mnee start surfaces", &surfaces)?)
+        .buffer("StartAreas", &Buffer::from_slice(context.device, "mnee start areas", &areas)?);
+    Ok((bindings, surfaces.len() as u32))
 }
 
 /// The refracting instances and, in their order, each triangle's area added up to it in parts of 2^32 of the instance's.

@@ -18,6 +18,8 @@ pub const LAYOUTS: &[Layout] = &[RestPush::LAYOUT];
 pub struct Rest {
     reference: Reference,
     add: Kernel,
+    caustic: Buffer,
+    irradiance: Buffer,
     bindings: Bindings,
 }
 
@@ -36,7 +38,16 @@ impl Rest {
         let irradiance = Buffer::zeroed(context.device, "mnee rest irradiance", pixels * 16)?;
         let bindings = Bindings::new().buffer("RestCaustic", &caustic).buffer("RestIrradiance", &irradiance);
         let reference = Reference::new(&settings, context)?.into(&caustic, &irradiance);
-        Ok(Some(Rest { reference, add: Kernel::new(context.device, "mnee/rest", "")?, bindings }))
+        let add = Kernel::new(context.device, "mnee/rest", "")?;
+        Ok(Some(Rest { reference, add, caustic, irradiance, bindings }))
+    }
+
+    /// As [`Technique::restart`].
+    pub fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        let mut recorder = Recorder::new(context.device)?;
+        recorder.pass("mnee/clear")?.fill(&self.caustic, 0).fill(&self.irradiance, 0);
+        recorder.submit()?;
+        self.reference.restart(context)
     }
 
     /// Takes the photons' picture out of the film again, so that the film holds means over samples alone.

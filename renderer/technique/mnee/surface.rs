@@ -61,6 +61,9 @@ pub struct SpecularSurface {
     pub vertices: u32,
     /// Those that refract, each with its number of vertices.
     pub instances: Vec<SurfacePush>,
+    /// One an instance of the scene, on the device and here.
+    records: Buffer,
+    placed: Vec<SpecularInstance>,
     transform: Kernel,
 }
 
@@ -89,19 +92,31 @@ impl SpecularSurface {
                 first_vertex += vertices;
             }
         }
+        let buffer = Buffer::from_slice(device, "mnee instances", &records)?;
         let vertex_bytes = u64::from(first_vertex) * size_of::<SpecularVertex>() as u64;
         let bindings = Bindings::new()
             .buffer("SpecularVertices", &Buffer::new(device, "mnee vertices", vertex_bytes)?)
             .buffer("SpecularTriangles", &Buffer::from_slice(device, "mnee triangles", &triangles)?)
-            .buffer("SpecularInstances", &Buffer::from_slice(device, "mnee instances", &records)?);
+            .buffer("SpecularInstances", &buffer);
         let transform = Kernel::new(device, "mnee/surface", "")?;
         Ok(SpecularSurface {
             bindings,
             triangles: triangles.len() as u32,
             vertices: first_vertex,
             instances,
+            records: buffer,
+            placed: records,
             transform,
         })
+    }
+
+    /// Follows normals and transforms that have changed; the triangles have not.
+    pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
+        for (record, instance) in self.placed.iter_mut().zip(&scene.instances) {
+            let (axis, cos_spread) = normal_cone(scene, instance);
+            (record.axis, record.cos_spread) = (axis.to_array(), cos_spread);
+        }
+        self.records.upload(bytemuck::cast_slice(&self.placed))
     }
 
     /// Records the way of all vertices to world space, from the scene's instances as they are then.
