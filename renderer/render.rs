@@ -110,21 +110,33 @@ struct BandState {
 
 impl Renderer {
     /// Opens the device, uploads the scene and makes every pipeline.
-    pub fn new(mut scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let started = Instant::now();
-        let camera_name = camera(&scene, settings.camera.as_deref())?.name.clone();
-        let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
-        check_size(size)?;
-        let samples = settings.samples.unwrap_or(scene.film.samples);
-        if samples == 0 {
-            return Err(RenderError::Samples { found: samples });
+    pub fn new(scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        Self::check(&scene, settings)?;
+        Self::with_device(Device::open(&settings.device)?, scene, settings)
+    }
+
+    /// Fails for settings that no device could render.
+    fn check(scene: &Scene, settings: &RenderSettings) -> Result<Settings, RenderError> {
+        camera(scene, settings.camera.as_deref())?;
+        check_size(settings.size.unwrap_or((scene.film.width, scene.film.height)))?;
+        if settings.samples == Some(0) {
+            return Err(RenderError::Samples { found: 0 });
         }
-        let technique_settings = Settings::parse(settings.technique, &settings.set)?;
-        if settings.adaptive && !settings.technique.per_sample(&technique_settings) {
+        let technique = Settings::parse(settings.technique, &settings.set)?;
+        if settings.adaptive && !settings.technique.per_sample(&technique) {
             return Err(RenderError::NotAdaptive { technique: settings.technique.name() });
         }
+        Ok(technique)
+    }
+
+    /// As [`new`](Self::new), on a device that is open; what `settings` say of one is not looked at.
+    pub fn with_device(device: Device, mut scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let started = Instant::now();
+        let technique_settings = Self::check(&scene, settings)?;
+        let camera_name = camera(&scene, settings.camera.as_deref())?.name.clone();
+        let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
+        let samples = settings.samples.unwrap_or(scene.film.samples);
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
-        let device = Device::open(&settings.device)?;
         let mut gpu_scene = GpuScene::new(&device, &scene)?;
         let mut animator = Animator::new(&device, &scene, &gpu_scene)?;
         let mut passes = Vec::new();

@@ -51,14 +51,14 @@ fn frame_alone(request: &Request) {
         [(TechniqueKind::Mnee, &[][..]), (TechniqueKind::Reference, &["reference.photons=20000"][..])]
     {
         let settings = settings(request, technique, set);
-        let mut row = Renderer::new(pool(), &settings).unwrap();
+        let mut row = request.renderer(pool(), &settings);
         let first = picture(&mut row);
         for frame in [1, FRAME] {
             row.go_to(frame).unwrap();
         }
         let after_others = picture(&mut row);
         assert_valid(row.device());
-        let mut alone = Renderer::new(pool(), &RenderSettings { frame: FRAME, ..settings }).unwrap();
+        let mut alone = request.renderer(pool(), &RenderSettings { frame: FRAME, ..settings });
         let alone = picture(&mut alone);
         for name in ["final", "caustic"] {
             assert_eq!(layer(&after_others.image, name), layer(&alone.image, name), "{} {name}", technique.name());

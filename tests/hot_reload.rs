@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid};
-use nephroid::gpu::{Capability, KernelWatch, ReloadReport};
+use nephroid::gpu::{Capability, Device, KernelWatch, ReloadReport};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::scene;
 use nephroid::technique::TechniqueKind;
@@ -226,7 +226,7 @@ fn misfit(request: &Request) {
 
 fn no_folder(request: &Request) {
     let folder = TempDir::new().unwrap();
-    let device = request.open();
+    let device = Device::open(&request.device).unwrap();
     for path in [folder.path().to_owned(), folder.path().join("missing")] {
         let message = KernelWatch::new(&device, &path).err().unwrap().to_string();
         assert!(message.contains(&path.display().to_string()), "{message}");

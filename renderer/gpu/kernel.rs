@@ -107,7 +107,7 @@ fn pipeline(device: &Device, name: &str, layout: &Arc<PipelineLayout>, words: &[
         .name(c"main");
     let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw);
     // SAFETY: the module is valid SPIR-V whose interface the layout was made from, or has a part of that interface.
-    let pipelines = unsafe { device.raw.create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+    let pipelines = unsafe { device.raw.create_compute_pipelines(device.pipelines, &[info], None) };
     let raw = pipelines.map_err(|(_, result)| result).call("vkCreateComputePipelines")?[0];
     Ok(Pipeline::new(device, raw, layout, name))
 }

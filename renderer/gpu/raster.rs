@@ -113,7 +113,7 @@ fn pipeline(
         .layout(layout.raw)
         .push_next(&mut rendering);
     // SAFETY: every state points to a local that outlives the call.
-    let pipelines = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+    let pipelines = unsafe { device.raw.create_graphics_pipelines(device.pipelines, &[info], None) };
     let raw = pipelines.map_err(|(_, result)| result).call("vkCreateGraphicsPipelines")?[0];
     Ok(Pipeline::new(device, raw, layout, name))
 }

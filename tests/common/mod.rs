@@ -6,6 +6,7 @@
 pub mod pool;
 
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use nephroid::gpu::{Capabilities, Capability, Device, DeviceInfo, DeviceRequest};
@@ -29,10 +30,31 @@ pub struct Request {
     pub device: DeviceRequest,
 }
 
+/// The devices that cases have opened, for those that follow: SwiftShader takes seconds to make a technique's pipelines,
+/// and makes them once a device.
+static DEVICES: Mutex<Vec<(DeviceRequest, Device)>> = Mutex::new(Vec::new());
+
+/// The device that `request` names, shared by all cases that ask for it alike. What the validation layers say of one case
+/// fails those that are there at the time, too.
+fn device(request: &DeviceRequest) -> Device {
+    let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, device)) = devices.iter().find(|(known, _)| known == request) {
+        return device.clone();
+    }
+    let device = Device::open(request).unwrap();
+    devices.push((request.clone(), device.clone()));
+    device
+}
+
 impl Request {
-    /// Opens the device under validation, as the case asked for it.
+    /// The device under validation, as the case asked for it.
     pub fn open(&self) -> Device {
-        Device::open(&self.device).unwrap()
+        device(&self.device)
+    }
+
+    /// A renderer on the device, or on another that `settings` name.
+    pub fn renderer(&self, scene: Scene, settings: &RenderSettings) -> Renderer {
+        Renderer::with_device(device(&settings.device), scene, settings).unwrap()
     }
 
     /// Renders every sample of `scene` on the device, by the BVH unless `change` says otherwise, and asks for silence of
@@ -41,7 +63,7 @@ impl Request {
         let mut settings =
             RenderSettings { device: self.device.clone(), trace: "bvh".parse().unwrap(), ..Default::default() };
         change(&mut settings);
-        let mut renderer = Renderer::new(scene, &settings).unwrap();
+        let mut renderer = self.renderer(scene, &settings);
         for _ in 0..renderer.samples() {
             renderer.sample().unwrap();
         }

@@ -1,0 +1,177 @@
+//! How much pictures of moving water flicker: per technique, the error of the differences between successive frames
+//! against the reference's differences.
+//!
+//! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
+//! `--truth-samples`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change that. Prints a
+//! table and writes `target/bench/flicker.json`.
+//!
+//! The truth is the mean of two runs of the reference with seeds of their own. Its noise is known from their difference and
+//! taken out of what is shown: of the mean square of (difference of frames - the truth's), half the mean square noise of one
+//! run's differences is the truth's own. All numbers are relative to the truth's mean.
+
+#[path = "report/mod.rs"]
+mod report;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use nephroid::render::{RenderSettings, Renderer};
+use nephroid::technique::TechniqueKind;
+use nephroid::{scene, stats};
+
+/// Seeds of the truth's two runs; the techniques' is 0.
+const TRUTH_SEEDS: [u32; 2] = [1, 2];
+
+struct Options {
+    scene: PathBuf,
+    layer: String,
+    frames: u32,
+    truth_samples: u32,
+    runs: Vec<(TechniqueKind, u32)>,
+    settings: RenderSettings,
+}
+
+/// One channel after the other, pixel by pixel.
+type Picture = Vec<f32>;
+
+#[derive(serde::Serialize)]
+struct Row {
+    technique: &'static str,
+    samples: u32,
+    /// Of the differences between frames, RMS over the truth's mean.
+    flicker: f64,
+    /// `flicker` before the truth's noise was taken out.
+    raw: f64,
+    /// Of the frames themselves, RMS over the truth's mean, the truth's noise taken out.
+    error: f64,
+    cpu_seconds_per_frame: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = options(std::env::args().skip(1))?;
+    let mut runs = Vec::new();
+    for seed in TRUTH_SEEDS {
+        runs.push(sequence(&options, TechniqueKind::Reference, options.truth_samples, seed)?.0);
+    }
+    let truth: Vec<Picture> = runs[0].iter().zip(&runs[1]).map(|(a, b)| mean_of(a, b)).collect();
+    let mean = truth.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / truth.iter().flatten().count() as f64;
+    // Of one run: independent noise adds up in the difference of two.
+    let noise_of_frames = mean_square(&runs[0], &runs[1]) / 2.0;
+    let noise_of_steps = mean_square(&steps(&runs[0]), &steps(&runs[1])) / 2.0;
+    let still: Vec<Picture> = truth[1..].iter().map(|picture| vec![0.0; picture.len()]).collect();
+    let motion = (mean_square(&steps(&truth), &still) - noise_of_steps / 2.0).max(0.0).sqrt() / mean;
+    println!("true motion {:.2} % a frame; the truth's own noise {:.2} % of it", 100.0 * motion, {
+        100.0 * (noise_of_steps / 2.0).sqrt() / mean / motion
+    });
+    println!("{:<10} {:>8} {:>9} {:>9} {:>9} {:>10}", "", "samples", "flicker", "raw", "error", "CPU-s");
+    let mut rows = Vec::new();
+    for &(technique, samples) in &options.runs {
+        let (frames, seconds) = sequence(&options, technique, samples, 0)?;
+        let raw = mean_square(&steps(&frames), &steps(&truth));
+        let row = Row {
+            technique: technique.name(),
+            samples,
+            flicker: (raw - noise_of_steps / 2.0).max(0.0).sqrt() / mean,
+            raw: raw.sqrt() / mean,
+            error: (mean_square(&frames, &truth) - noise_of_frames / 2.0).max(0.0).sqrt() / mean,
+            cpu_seconds_per_frame: seconds / f64::from(options.frames),
+        };
+        println!(
+            "{:<10} {samples:>8} {:>8.2}% {:>8.2}% {:>8.2}% {:>10.2}",
+            row.technique,
+            100.0 * row.flicker,
+            100.0 * row.raw,
+            100.0 * row.error,
+            row.cpu_seconds_per_frame
+        );
+        rows.push(row);
+    }
+    let device = Renderer::new(scene::load(&options.scene)?, &options.settings)?.device().info.describe();
+    report::write(
+        "flicker",
+        serde_json::json!({ "device": device, "frames": options.frames, "size": options.settings.size,
+            "true_motion": motion, "rows": rows }),
+    )
+}
+
+/// All frames of a run, and the CPU-seconds of the process that they took.
+fn sequence(
+    options: &Options,
+    technique: TechniqueKind,
+    samples: u32,
+    seed: u32,
+) -> Result<(Vec<Picture>, f64), Box<dyn Error>> {
+    let settings = RenderSettings { technique, samples: Some(samples), seed, ..options.settings.clone() };
+    let mut renderer = Renderer::new(scene::load(&options.scene)?, &settings)?;
+    let start = stats::cpu_seconds();
+    let mut frames = Vec::new();
+    for frame in 0..options.frames {
+        renderer.go_to(frame)?;
+        for _ in 0..samples {
+            renderer.sample()?;
+        }
+        let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(&options.layer))?;
+        frames.push(picture.pixels.into_iter().flatten().collect());
+    }
+    Ok((frames, stats::cpu_seconds() - start))
+}
+
+fn mean_of(a: &[f32], b: &[f32]) -> Picture {
+    a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
+}
+
+/// What changes from each frame to the next.
+fn steps(frames: &[Picture]) -> Vec<Picture> {
+    frames.windows(2).map(|pair| pair[1].iter().zip(&pair[0]).map(|(b, a)| b - a).collect()).collect()
+}
+
+/// Of the differences between two lists of pictures.
+fn mean_square(a: &[Picture], b: &[Picture]) -> f64 {
+    let pairs = || a.iter().flatten().zip(b.iter().flatten());
+    pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / pairs().count() as f64
+}
+
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+    let mut options = Options {
+        scene: "scenes/pool.toml".into(),
+        layer: "refracted".to_string(),
+        frames: 48,
+        truth_samples: 64,
+        runs: vec![(TechniqueKind::Mnee, 4), (TechniqueKind::Mnee, 16), (TechniqueKind::Reference, 16)],
+        settings: RenderSettings {
+            camera: Some("under".to_string()),
+            size: Some((96, 72)),
+            trace: "bvh".parse()?,
+            ..Default::default()
+        },
+    };
+    while let Some(name) = arguments.next() {
+        // Cargo passes --bench to every bench.
+        if name == "--bench" {
+            continue;
+        }
+        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+        match name.as_str() {
+            "--scene" => options.scene = value.into(),
+            "--camera" => options.settings.camera = Some(value),
+            "--layer" => options.layer = value,
+            "--frames" => options.frames = value.parse::<u32>()?.max(2),
+            "--truth-samples" => options.truth_samples = value.parse()?,
+            "--device" => options.settings.device.device = Some(value),
+            "--trace" => options.settings.trace = value.parse()?,
+            "--runs" => options.runs = value.split(',').map(run).collect::<Result<_, _>>()?,
+            "--size" => {
+                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
+                options.settings.size = Some((width.parse()?, height.parse()?));
+            }
+            other => return Err(format!("unknown option {other}").into()),
+        }
+    }
+    Ok(options)
+}
+
+/// `technique:samples`.
+fn run(text: &str) -> Result<(TechniqueKind, u32), Box<dyn Error>> {
+    let (technique, samples) = text.split_once(':').ok_or("--runs wants technique:samples, separated by commas")?;
+    Ok((TechniqueKind::parse(technique)?, samples.parse()?))
+}
