@@ -9,7 +9,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::capability::{Capabilities, Capability};
-use super::error::Call;
+use super::kernel::MadeKernels;
 use super::survey::{DeviceInfo, choose, survey};
 use super::{GpuError, Instance, Quirks};
 
@@ -53,9 +53,7 @@ pub struct DeviceInner {
     /// The kernels that live on this device, for hot reload.
     #[cfg(feature = "hot-reload")]
     pub(crate) kernels: super::reload::LiveKernels,
-    /// Makes a pipeline that was made before, such as another technique's when one goes back to it, a matter of
-    /// milliseconds on drivers that compile at creation (5 s on SwiftShader for all of `mnee`).
-    pub(crate) pipelines: vk::PipelineCache,
+    pub(crate) made: MadeKernels,
     held: AtomicU64,
     peak: AtomicU64,
     instance: Arc<Instance>,
@@ -99,9 +97,6 @@ impl Device {
         .map_err(|e| GpuError::Unsuitable { device: info.name.clone(), reason: e.to_string() })?;
         // SAFETY: the family was chosen from this device and one queue of it was created.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
-        // SAFETY: an empty cache.
-        let pipelines = unsafe { raw.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
-            .call("vkCreatePipelineCache")?;
         Ok(Device(Arc::new(DeviceInner {
             labels: instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw)),
             structures: capabilities
@@ -120,7 +115,7 @@ impl Device {
             allocator: Mutex::new(ManuallyDrop::new(allocator)),
             #[cfg(feature = "hot-reload")]
             kernels: Default::default(),
-            pipelines,
+            made: MadeKernels::default(),
             held: AtomicU64::new(0),
             peak: AtomicU64::new(0),
             instance: instance.clone(),
@@ -187,14 +182,14 @@ impl DeviceInner {
 
 impl Drop for DeviceInner {
     fn drop(&mut self) {
-        // SAFETY: resources hold the device by reference count, so all are gone; the allocator is dropped once, before
-        // the device whose memory it frees.
+        // SAFETY: resources hold the device by reference count, or are the device's own and destroyed here; the allocator
+        // is dropped once, before the device whose memory it frees.
         unsafe {
             let _ = self.raw.device_wait_idle();
+            self.made.clear();
             if let Ok(allocator) = self.allocator.get_mut() {
                 ManuallyDrop::drop(allocator);
             }
-            self.raw.destroy_pipeline_cache(self.pipelines, None);
             self.raw.destroy_device(None);
         }
     }

@@ -1,6 +1,7 @@
 //! Compute pipelines made from the kernel table, and the resources bound to them by name.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
@@ -52,9 +53,29 @@ impl Bindings {
     }
 }
 
-/// A compute pipeline. Clones share it.
+/// A compute pipeline. Clones share it, and so do all kernels of one name and variant on a device.
 #[derive(Clone)]
-pub struct Kernel(Arc<KernelInner>);
+pub struct Kernel {
+    inner: Arc<KernelInner>,
+    // Keeps the pipeline's device open.
+    _device: Device,
+}
+
+/// The kernels that a device has made, by name and variant; they live as long as it. SwiftShader takes 5 s for those of
+/// `mnee`, which another renderer, or another technique and back, would have to wait for again.
+#[derive(Default)]
+pub(crate) struct MadeKernels(Mutex<HashMap<(String, String), Arc<KernelInner>>>);
+
+impl MadeKernels {
+    fn lock(&self) -> MutexGuard<'_, HashMap<(String, String), Arc<KernelInner>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Destroys them all; the device is about to be closed.
+    pub(crate) fn clear(&self) {
+        self.lock().clear();
+    }
+}
 
 pub struct KernelInner {
     pub name: String,
@@ -68,35 +89,49 @@ pub struct KernelInner {
 impl std::ops::Deref for Kernel {
     type Target = KernelInner;
     fn deref(&self) -> &KernelInner {
-        &self.0
+        &self.inner
     }
 }
 
 impl Kernel {
     /// The kernel of that name; `variant` is the tracing back-end's, or empty for a kernel that traces no rays.
     pub fn new(device: &Device, name: &str, variant: &str) -> Result<Kernel, GpuError> {
-        let words = module_words(name, "comp", variant)?;
-        let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
-        let interface = reflect(&words).map_err(error)?;
-        let invocations: u32 = interface.workgroup.iter().product();
-        let allowed = device.info.limits.workgroup_invocations;
-        if invocations > allowed {
-            return Err(error(format!("its workgroup has {invocations} invocations; the device allows {allowed}")));
-        }
-        let layout = PipelineLayout::new(device, name, &[&interface], vk::ShaderStageFlags::COMPUTE)?;
-        let layout = Arc::new(layout);
-        let inner = Arc::new(KernelInner {
-            name: name.to_string(),
-            interface,
-            pipeline: PipelineSlot::new(pipeline(device, name, &layout, &words)?),
-            layout,
-            #[cfg(feature = "hot-reload")]
-            module: ModuleName::new(name, "comp", variant),
-        });
-        #[cfg(feature = "hot-reload")]
-        super::reload::register(device, inner.clone())?;
-        Ok(Kernel(inner))
+        let key = (name.to_string(), variant.to_string());
+        let made = device.made.lock().get(&key).cloned();
+        let inner = match made {
+            Some(inner) => inner,
+            // Not under the lock: others need not wait while this one compiles.
+            None => {
+                let inner = make(device, name, variant)?;
+                device.made.lock().entry(key).or_insert(inner).clone()
+            }
+        };
+        Ok(Kernel { inner, _device: device.clone() })
     }
+}
+
+fn make(device: &Device, name: &str, variant: &str) -> Result<Arc<KernelInner>, GpuError> {
+    let words = module_words(name, "comp", variant)?;
+    let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
+    let interface = reflect(&words).map_err(error)?;
+    let invocations: u32 = interface.workgroup.iter().product();
+    let allowed = device.info.limits.workgroup_invocations;
+    if invocations > allowed {
+        return Err(error(format!("its workgroup has {invocations} invocations; the device allows {allowed}")));
+    }
+    let layout = PipelineLayout::new(device, name, &[&interface], vk::ShaderStageFlags::COMPUTE)?;
+    let layout = Arc::new(layout);
+    let inner = Arc::new(KernelInner {
+        name: name.to_string(),
+        interface,
+        pipeline: PipelineSlot::new(pipeline(device, name, &layout, &words)?),
+        layout,
+        #[cfg(feature = "hot-reload")]
+        module: ModuleName::new(name, "comp", variant),
+    });
+    #[cfg(feature = "hot-reload")]
+    super::reload::register(device, inner.clone())?;
+    Ok(inner)
 }
 
 fn pipeline(device: &Device, name: &str, layout: &Arc<PipelineLayout>, words: &[u32]) -> Result<Pipeline, GpuError> {
@@ -107,7 +142,7 @@ fn pipeline(device: &Device, name: &str, layout: &Arc<PipelineLayout>, words: &[
         .name(c"main");
     let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw);
     // SAFETY: the module is valid SPIR-V whose interface the layout was made from, or has a part of that interface.
-    let pipelines = unsafe { device.raw.create_compute_pipelines(device.pipelines, &[info], None) };
+    let pipelines = unsafe { device.raw.create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
     let raw = pipelines.map_err(|(_, result)| result).call("vkCreateComputePipelines")?[0];
     Ok(Pipeline::new(device, raw, layout, name))
 }

@@ -14,25 +14,26 @@ use super::{Device, GpuError};
 const PORTABLE_PUSH_CONSTANTS: u32 = 128;
 const PORTABLE_SETS: u32 = 4;
 
-/// A pipeline with its layout. What records commands with it holds it until they have run.
+/// A pipeline with its layout. What records commands with it holds it until they have run. It does not keep its device
+/// open, so that a device can own pipelines; whatever else owns one keeps the device too.
 pub(crate) struct Pipeline {
     pub(crate) raw: vk::Pipeline,
     pub(crate) layout: Arc<PipelineLayout>,
-    device: Device,
+    device: ash::Device,
 }
 
 impl Pipeline {
     /// Takes `raw` over, which `device` made with `layout`.
     pub(crate) fn new(device: &Device, raw: vk::Pipeline, layout: &Arc<PipelineLayout>, name: &str) -> Self {
         device.set_name(raw, name);
-        Pipeline { raw, layout: layout.clone(), device: device.clone() }
+        Pipeline { raw, layout: layout.clone(), device: device.raw.clone() }
     }
 }
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: submissions are waited for, and a recorder holds its pipelines until then.
-        unsafe { self.device.raw.destroy_pipeline(self.raw, None) };
+        // SAFETY: submissions are waited for, and a recorder holds its pipelines until then; the device is still open.
+        unsafe { self.device.destroy_pipeline(self.raw, None) };
     }
 }
 
@@ -107,7 +108,7 @@ pub(crate) struct PipelineLayout {
     /// Slots of all stages, without repetition.
     pub(crate) slots: Vec<Slot>,
     pub(crate) push_constants: u32,
-    device: Device,
+    device: ash::Device,
 }
 
 impl PipelineLayout {
@@ -137,7 +138,7 @@ impl PipelineLayout {
             stages,
             slots,
             push_constants,
-            device: device.clone(),
+            device: device.raw.clone(),
         };
         for set in 0..set_count {
             let bindings: Vec<_> = layout
@@ -171,9 +172,9 @@ impl Drop for PipelineLayout {
     fn drop(&mut self) {
         // SAFETY: the pipeline that uses the layout is gone, or was never made.
         unsafe {
-            self.device.raw.destroy_pipeline_layout(self.raw, None);
+            self.device.destroy_pipeline_layout(self.raw, None);
             for &set in &self.sets {
-                self.device.raw.destroy_descriptor_set_layout(set, None);
+                self.device.destroy_descriptor_set_layout(set, None);
             }
         }
     }

@@ -16,6 +16,8 @@ use super::{Bindings, Device, GpuError, Image, Pass};
 pub struct Raster(Arc<RasterInner>);
 
 pub(crate) struct RasterInner {
+    // Keeps the pipeline's device open.
+    _device: Device,
     name: String,
     layout: Arc<PipelineLayout>,
     pipeline: PipelineSlot,
@@ -53,6 +55,7 @@ impl Raster {
         let layout = Arc::new(PipelineLayout::new(device, name, &[&interfaces[0], &interfaces[1]], stages)?);
         let formats = [targets.color.format, targets.depth.format];
         let inner = Arc::new(RasterInner {
+            _device: device.clone(),
             name: name.to_string(),
             pipeline: PipelineSlot::new(pipeline(device, name, &layout, formats, [&vertex, &fragment])?),
             layout,
@@ -113,7 +116,7 @@ fn pipeline(
         .layout(layout.raw)
         .push_next(&mut rendering);
     // SAFETY: every state points to a local that outlives the call.
-    let pipelines = unsafe { device.raw.create_graphics_pipelines(device.pipelines, &[info], None) };
+    let pipelines = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
     let raw = pipelines.map_err(|(_, result)| result).call("vkCreateGraphicsPipelines")?[0];
     Ok(Pipeline::new(device, raw, layout, name))
 }
