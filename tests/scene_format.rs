@@ -272,7 +272,7 @@ fn no_prefix_or_damage_of_a_scene_makes_the_reader_panic() {
 }
 
 /// A scene whose last table holds the key `unknown`, and the heading of `FORMAT.md` that lists that table's keys.
-const TABLES: [(&str, &str); 19] = [
+const TABLES: [(&str, &str); 23] = [
     ("[film]", "## `[film]`"),
     ("[[camera]]", "## `[[camera]]`"),
     ("[[medium]]", "## `[[medium]]`"),
@@ -292,6 +292,22 @@ const TABLES: [(&str, &str); 19] = [
     ("[[object]]\nname = \"o\"\nshape = \"plane\"\n[object.transform]", "### `transform`"),
     ("[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[[object.waves]]", "### `waves`"),
     ("[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[[object.bumps]]", "### `bumps`"),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"waves\"",
+        "### `motion` by `waves`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"",
+        "### `simulated` `motion`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"\nspeed = 1\n[[object.motion.drops]]",
+        "### `drops`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"\nspeed = 1\n[object.motion.rain]",
+        "### `rain`",
+    ),
 ];
 
 /// The first column under a heading of `FORMAT.md`.

@@ -11,6 +11,7 @@ pub mod height_field;
 mod light;
 mod material;
 pub mod mend;
+mod motion;
 mod mtl;
 mod obj;
 mod obj_check;

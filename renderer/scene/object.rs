@@ -2,14 +2,14 @@
 
 use glam::{Affine3A, DVec2, DVec3};
 
-use super::animation::{Simulation, Water, WaterMotion};
+use super::animation::Water;
 use super::error::SceneError;
 use super::file::{find_name, read_name};
 use super::height_field::{Bump, HeightField, Relief, Wave};
 use super::obj::{self, Loaded};
 use super::shapes::{Face, cuboid, cylinder, plane, sphere};
-use super::value::{ANGLE, COORDINATE, LENGTH, Node, QUANTITY, Table};
-use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, texture, transform};
+use super::value::{ANGLE, COORDINATE, LENGTH, Node, Table};
+use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, motion, texture, transform};
 
 /// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.24 GB on the host.
 const MOST_QUADS: u32 = 2048;
@@ -117,7 +117,7 @@ fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene:
     }
     scene.meshes.push(mesh);
     if let (Some(field), Some(node)) = (field, table.get("motion")) {
-        let motion = read_motion(&node)?;
+        let motion = motion::read(&node, &field, scene.animation.fps)?;
         scene.animation.waters.push(Water { mesh: scene.meshes.len() - 1, field, motion });
     }
     place(table, scene, name, scene.meshes.len() - 1, material, placement)
@@ -193,21 +193,9 @@ fn read_height_field(table: &Table) -> Result<HeightField, SceneError> {
         quads: table.or("quads", [256, 256], |node| node.whole_pair(1, MOST_QUADS))?,
         base: table.or("base", 0.0, |node| node.number(COORDINATE))?,
         waves: read_each(table, "waves", read_wave)?,
-        bumps: read_each(table, "bumps", read_bump)?,
+        bumps: read_each(table, "bumps", |node| read_bump(&node.table("a bump", BUMP_KEYS)?))?,
         relief: table.get("image").map(|node| read_relief(&node)).transpose()?,
     })
-}
-
-fn read_motion(node: &Node) -> Result<WaterMotion, SceneError> {
-    let table = node.table("`motion`", &["kind", "depth", "speed", "damping"])?;
-    match table.need("kind", "\"waves\", \"simulated\"")?.choice(&[("waves", false), ("simulated", true)])? {
-        false => Ok(WaterMotion::Waves { depth: table.get("depth").map(|node| node.number(LENGTH)).transpose()? }),
-        true => Ok(WaterMotion::Simulated(Simulation {
-            speed: table.need("speed", "metres per second")?.number(LENGTH)?,
-            damping: table.or("damping", 0.0, |node| node.number(QUANTITY))?,
-            drops: Vec::new(),
-        })),
-    }
 }
 
 fn read_side(table: &Table, key: &str) -> Result<[f64; 2], SceneError> {
@@ -219,7 +207,12 @@ fn read_side(table: &Table, key: &str) -> Result<[f64; 2], SceneError> {
     Ok([first, last])
 }
 
-fn read_each<T>(table: &Table, key: &str, read: fn(&Node) -> Result<T, SceneError>) -> Result<Vec<T>, SceneError> {
+/// The tables of the list `key`, none where there is no such key.
+pub(super) fn read_each<T>(
+    table: &Table,
+    key: &str,
+    read: fn(&Node) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
     table.get(key).map_or(Ok(Vec::new()), |node| node.list("tables")?.iter().map(read).collect())
 }
 
@@ -233,8 +226,9 @@ fn read_wave(node: &Node) -> Result<Wave, SceneError> {
     })
 }
 
-fn read_bump(node: &Node) -> Result<Bump, SceneError> {
-    let table = node.table("a bump", &["centre", "height", "radius"])?;
+pub(super) const BUMP_KEYS: &[&str] = &["centre", "height", "radius"];
+
+pub(super) fn read_bump(table: &Table) -> Result<Bump, SceneError> {
     Ok(Bump {
         centre: table.need("centre", "a list of two numbers, x and z")?.vec2(COORDINATE)?,
         height: table.need("height", "a number of metres")?.number(COORDINATE)?,
