@@ -1,9 +1,14 @@
 //! How a scene moves: what its file says about later times. The scene's own values are those of time 0.
 
+mod pose;
+mod timeline;
 mod water;
 
 use super::Scene;
+use super::transform::Placement;
 
+pub use pose::{Aim, CameraPose, Keys, LightPose, Pose};
+pub use timeline::{Interpolation, Span, Timeline};
 pub use water::{
     Drop, GRAVITY, MOST_CELLS_PER_STEP, MOST_STEPS_PER_FRAME, Rain, Simulation, Water, WaterMotion, angular_frequency,
 };
@@ -13,19 +18,33 @@ pub use water::{
 pub struct Animation {
     /// Frames per second, positive.
     pub fps: f64,
+    /// How many frames, from frame 0 on, make the whole animation where nobody says otherwise; at least 1.
+    pub frames: Option<u32>,
     pub waters: Vec<Water>,
+    pub cameras: Vec<Keys<CameraPose>>,
+    /// Of instances.
+    pub objects: Vec<Keys<Placement>>,
+    pub lights: Vec<Keys<LightPose>>,
 }
 
 impl Default for Animation {
     fn default() -> Self {
-        Animation { fps: 24.0, waters: Vec::new() }
+        Animation {
+            fps: 24.0,
+            frames: None,
+            waters: Vec::new(),
+            cameras: Vec::new(),
+            objects: Vec::new(),
+            lights: Vec::new(),
+        }
     }
 }
 
 impl Animation {
     /// Whether anything moves at all.
     pub fn moves(&self) -> bool {
-        !self.waters.is_empty()
+        let keyed = self.cameras.len() + self.objects.len() + self.lights.len();
+        keyed + self.waters.len() > 0
     }
 
     /// Seconds.
@@ -35,5 +54,18 @@ impl Animation {
 
     /// Puts cameras, instances and lights where they are at `time`, seconds. Meshes are left alone: moving them is the
     /// device's work, see [`crate::animate`].
-    pub fn pose(&self, _scene: &mut Scene, _time: f64) {}
+    pub fn pose(&self, scene: &mut Scene, time: f64) {
+        for keys in &self.cameras {
+            let pose = keys.at(time);
+            scene.cameras[keys.of.clone()].iter_mut().for_each(|camera| pose.put(camera));
+        }
+        for keys in &self.objects {
+            let transform = keys.at(time).transform();
+            scene.instances[keys.of.clone()].iter_mut().for_each(|instance| instance.transform = transform);
+        }
+        for keys in &self.lights {
+            let pose = keys.at(time);
+            scene.lights[keys.of.clone()].iter_mut().for_each(|light| pose.put(light));
+        }
+    }
 }

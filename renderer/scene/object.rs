@@ -1,15 +1,18 @@
 //! `[[object]]`: shapes made, files loaded, each placed in the world.
 
-use glam::{Affine3A, DVec2, DVec3};
+use std::ops::Range;
 
-use super::animation::Water;
+use glam::{Affine3A, BVec3, DVec2, DVec3, Vec3};
+
+use super::animation::{Keys, Water};
 use super::error::SceneError;
 use super::file::{find_name, read_name};
 use super::height_field::{Bump, HeightField, Relief, Wave};
+use super::keyed::{self, KEYED};
 use super::obj::{self, Loaded};
 use super::shapes::{Face, cuboid, cylinder, plane, sphere};
 use super::value::{ANGLE, COORDINATE, LENGTH, Node, Table};
-use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, motion, texture, transform};
+use super::{Bounds, Instance, MaterialId, Mesh, MeshId, Placement, Scene, mend, motion, texture, transform};
 
 /// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.24 GB on the host.
 const MOST_QUADS: u32 = 2048;
@@ -17,6 +20,8 @@ const MOST_QUADS: u32 = 2048;
 const FARTHEST: f32 = 1e6;
 
 const COMMON: &[&str] = &["name", "shape", "material", "transform"];
+
+const NO_PLACE: &str = "a placement with all points within 1e6 of the origin";
 
 #[derive(Clone, Copy)]
 enum Shape {
@@ -70,21 +75,52 @@ pub(super) fn read_all(nodes: &[Node], scene: &mut Scene) -> Result<(), SceneErr
             .any_table("[[object]]")?
             .need("shape", "\"obj\", \"plane\", \"box\", \"sphere\", \"cylinder\", \"heightfield\"")?
             .choice(&SHAPES)?;
-        let table = node.table(shape.title(), &[COMMON, shape.keys()].concat())?;
+        let table = node.table(shape.title(), &[COMMON, KEYED, shape.keys()].concat())?;
         let name = read_name(&table, "object", names.iter().map(String::as_str))?;
-        read(&table, shape, &name, &mut files, scene)?;
+        let own = Placement::IDENTITY;
+        let own =
+            table.or("transform", own, |node| transform::read(&node.table("`transform`", transform::KEYS)?, &own))?;
+        let first = scene.instances.len();
+        read(&table, shape, &name, own.transform(), &mut files, scene)?;
+        let keys = read_keys(&table, &own, first..scene.instances.len(), scene)?;
+        scene.animation.objects.extend(keys);
         names.push(name);
     }
     Ok(())
 }
 
-fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene: &mut Scene) -> Result<(), SceneError> {
+/// The keys of the object that made the instances `of`; `own` is its own placement.
+fn read_keys(
+    table: &Table,
+    own: &Placement,
+    of: Range<usize>,
+    scene: &Scene,
+) -> Result<Option<Keys<Placement>>, SceneError> {
+    let meshes = || scene.instances[of.clone()].iter().map(|instance| &scene.meshes[instance.mesh]);
+    let boxes: Vec<[Vec3; 8]> = meshes().map(corners).collect();
+    keyed::read(table, of.clone(), "a key of an [[object]]", transform::KEYS, |node, key| {
+        let placement = transform::read(key, own)?;
+        let transform = placement.transform();
+        // A mesh may have millions of points, and an object many keys.
+        let near =
+            |(mesh, corners): (&Mesh, &[Vec3; 8])| are_near(corners, transform) || are_near(&mesh.positions, transform);
+        if meshes().zip(&boxes).all(near) { Ok(placement) } else { Err(node.refuse(NO_PLACE)) }
+    })
+}
+
+fn read(
+    table: &Table,
+    shape: Shape,
+    name: &str,
+    placement: Affine3A,
+    files: &mut Vec<Loaded>,
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
     let materials = scene.materials.iter().map(|material| material.name.as_str());
     let material = match table.get("material") {
         Some(node) => Some(find_name(&node, "material", materials)?),
         None => None,
     };
-    let placement = table.or("transform", Affine3A::IDENTITY, |node| transform::read(&node))?;
 
     if let Shape::Obj = shape {
         let file = table.need("file", "the name of an OBJ file")?;
@@ -131,13 +167,24 @@ fn place(
     material: MaterialId,
     transform: Affine3A,
 ) -> Result<(), SceneError> {
-    let placed = |point: &glam::Vec3| transform.transform_point3(*point).abs().max_element();
-    if !scene.meshes[mesh].positions.iter().all(|point| placed(point) <= FARTHEST) {
+    if !are_near(&scene.meshes[mesh].positions, transform) {
         let node = table.get("transform").map_or_else(|| table.need("name", ""), Ok)?;
-        return Err(node.refuse(format!("a placement with all points within {FARTHEST:e} of the origin")));
+        return Err(node.refuse(NO_PLACE));
     }
     scene.instances.push(Instance { name: name.to_owned(), mesh, material, transform });
     Ok(())
+}
+
+/// Whether all points, once placed, are near enough to the origin.
+fn are_near(points: &[Vec3], transform: Affine3A) -> bool {
+    points.iter().all(|&point| transform.transform_point3(point).abs().max_element() <= FARTHEST)
+}
+
+/// Of the box that holds the mesh.
+fn corners(mesh: &Mesh) -> [Vec3; 8] {
+    let mut bounds = Bounds::EMPTY;
+    mesh.positions.iter().for_each(|&point| bounds.include(point));
+    std::array::from_fn(|k| Vec3::select(BVec3::new(k & 1 > 0, k & 2 > 0, k & 4 > 0), bounds.max, bounds.min))
 }
 
 fn centre(table: &Table) -> Result<DVec3, SceneError> {
