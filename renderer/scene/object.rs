@@ -77,9 +77,7 @@ pub(super) fn read_all(nodes: &[Node], scene: &mut Scene) -> Result<(), SceneErr
             .choice(&SHAPES)?;
         let table = node.table(shape.title(), &[COMMON, KEYED, shape.keys()].concat())?;
         let name = read_name(&table, "object", names.iter().map(String::as_str))?;
-        let own = Placement::IDENTITY;
-        let own =
-            table.or("transform", own, |node| transform::read(&node.table("`transform`", transform::KEYS)?, &own))?;
+        let own = table.or("transform", Placement::IDENTITY, |node| transform::read(&node))?;
         let first = scene.instances.len();
         read(&table, shape, &name, own.transform(), &mut files, scene)?;
         let keys = read_keys(&table, &own, first..scene.instances.len(), scene)?;
@@ -99,7 +97,7 @@ fn read_keys(
     let meshes = || scene.instances[of.clone()].iter().map(|instance| &scene.meshes[instance.mesh]);
     let boxes: Vec<[Vec3; 8]> = meshes().map(corners).collect();
     keyed::read(table, of.clone(), "a key of an [[object]]", transform::KEYS, |node, key| {
-        let placement = transform::read(key, own)?;
+        let placement = transform::read_pose(key, own)?;
         let transform = placement.transform();
         // A mesh may have millions of points, and an object many keys.
         let near =

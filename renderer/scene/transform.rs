@@ -31,8 +31,13 @@ impl Placement {
     }
 }
 
+/// `transform`.
+pub(super) fn read(node: &Node) -> Result<Placement, SceneError> {
+    read_pose(&node.table("`transform`", KEYS)?, &Placement::IDENTITY)
+}
+
 /// What a table with [`KEYS`] says; `own` is what it leaves out.
-pub(super) fn read(table: &Table, own: &Placement) -> Result<Placement, SceneError> {
+pub(super) fn read_pose(table: &Table, own: &Placement) -> Result<Placement, SceneError> {
     Ok(Placement {
         translate: table.or("translate", own.translate, |node| node.vec3(COORDINATE))?,
         rotate: table.or("rotate", own.rotate, |node| rotation(&node))?,

@@ -142,7 +142,8 @@ mod tests {
     use super::*;
 
     const TIMES: [f64; 5] = [-0.5, 0.3, 1.0, 3.0, 3.5];
-    const VALUES: [f64; 5] = [1.0, 2.0, 5.0, 4.0, 1.0];
+    /// Gently down, then steeply: where a mean of both velocities would go beyond the second key.
+    const VALUES: [f64; 5] = [2.0, 5.0, 4.9, 1.0, 2.0];
 
     fn timeline(interpolation: Interpolation, repeat: bool) -> Timeline {
         Timeline { times: TIMES.to_vec(), interpolation, repeat }
@@ -162,7 +163,7 @@ mod tests {
                 assert_eq!(number(time), VALUES[key], "{interpolation:?}");
                 assert_eq!(timeline.at(time).rotation(rotations), rotations(key), "{interpolation:?}");
             }
-            for (time, value) in [(-1e6, 1.0), (-0.51, 1.0), (3.51, 1.0), (f64::INFINITY, 1.0)] {
+            for (time, value) in [(-1e6, 2.0), (-0.51, 2.0), (3.51, 2.0), (f64::INFINITY, 2.0)] {
                 assert_eq!(number(time), value);
             }
         }
@@ -171,8 +172,8 @@ mod tests {
     #[test]
     fn linear_goes_straight_and_step_waits() {
         let at = |interpolation, time| timeline(interpolation, false).at(time).number(|key| VALUES[key]);
-        assert!((at(Interpolation::Linear, 2.5) - 4.25).abs() < 1e-12);
-        assert_eq!(at(Interpolation::Step, 2.999), 5.0);
+        assert!((at(Interpolation::Linear, 2.5) - 1.975).abs() < 1e-12);
+        assert_eq!(at(Interpolation::Step, 2.999), 4.9);
     }
 
     #[test]
@@ -190,13 +191,15 @@ mod tests {
                 let [before, after] = [time - STEP, time].map(|from| turn(turned(from), turned(from + STEP)) / STEP);
                 assert!((after - before).length() < TOLERANCE, "{repeat} {time} {before} {after}");
             }
-            // The second key is on a slope: the motion does not stop there.
-            assert!((number(0.3 + STEP) - number(0.3)) / STEP > 1.0);
-            for k in 0..400 {
-                let time = -0.5 + 0.01 * f64::from(k);
+            // The third key is on a slope, and so is the seam of what repeats: the motion does not stop there.
+            let speed = |time| (number(time + STEP) - number(time)) / STEP;
+            assert!(speed(1.0) < -0.2 && (speed(-0.5) > 1.0) == repeat, "{} {}", speed(1.0), speed(-0.5));
+            for k in 0..400_000 {
+                let time = -0.5 + STEP * f64::from(k);
                 let from = TIMES.partition_point(|&key| key <= time).saturating_sub(1).min(3);
                 let (low, high) = (VALUES[from].min(VALUES[from + 1]), VALUES[from].max(VALUES[from + 1]));
                 assert!((low..=high).contains(&number(time)), "{time}");
+                assert!((speed(time) - speed(time - STEP)).abs() < TOLERANCE, "{time}");
             }
         }
     }
@@ -211,8 +214,7 @@ mod tests {
                 assert!((number(time) - number(time + 4.0 * periods)).abs() < 1e-9, "{time}");
             }
         }
-        // Falling before the seam and rising after it.
-        assert_eq!((number(3.5), number(7.5)), (1.0, 1.0));
+        assert_eq!((number(3.5), number(7.5)), (2.0, 2.0));
     }
 
     #[test]
