@@ -1,5 +1,7 @@
 //! The camera as the kernels see it.
 
+use glam::Vec3;
+
 use crate::scene::{Camera, FilmSettings};
 
 crate::gpu_struct! {
@@ -32,7 +34,8 @@ pub struct Band {
 impl View {
     /// A film of `width` x `height` pixels behind `camera`.
     pub fn new(camera: &Camera, film: &FilmSettings, (width, height): (u32, u32), band: Band) -> View {
-        let forward = (camera.target - camera.position).normalize();
+        // Far from the origin, f32 may not tell a camera from its target.
+        let forward = (camera.target - camera.position).try_normalize().unwrap_or(Vec3::NEG_Z);
         // Looking along `up`, any direction across serves.
         let right = forward.cross(camera.up).try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
         let up = right.cross(forward);

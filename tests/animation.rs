@@ -16,7 +16,10 @@ const FRAME: u32 = 5;
 const MOVED: f64 = 0.01;
 
 fn main() -> ExitCode {
-    common::run(&[Case { name: "a_frame_alone_is_the_frame_in_its_row", needs: &[], disable: "", run: frame_alone }])
+    common::run(&[
+        Case { name: "a_frame_alone_is_the_frame_in_its_row", needs: &[], disable: "", run: frame_alone },
+        Case { name: "keys_move_camera_objects_and_lights", needs: &[], disable: "", run: keyed },
+    ])
 }
 
 /// The pool with less water, so that it is quick.
@@ -67,5 +70,74 @@ fn frame_alone(request: &Request) {
         let light: f64 = before.iter().map(|p| f64::from(p[0])).sum();
         let change: f64 = before.iter().zip(&now).map(|(a, b)| f64::from((a[0] - b[0]).abs())).sum();
         assert!(change > MOVED * light, "{} moved {change} of {light}", technique.name());
+    }
+}
+
+/// A glass ball on a table; camera, ball and lamp each have two keys of their own, a second apart.
+const KEYED: &str = r#"
+film = { width = 24, height = 18, samples = 2 }
+animation = { fps = 4 }
+[[camera]]
+name = "eye"
+position = [0, 2, 2]
+target = [0, 0, 0]
+keys = [{ time = 0 }, { time = 1, position = [1, 2, 1.5], fov_y = 40 }]
+[[medium]]
+name = "glass"
+index = 1.5
+[[material]]
+name = "table"
+kind = "diffuse"
+albedo = 0.7
+[[material]]
+name = "ball"
+kind = "dielectric"
+back = "glass"
+[[object]]
+name = "table"
+shape = "plane"
+size = [4, 4]
+material = "table"
+[[object]]
+name = "ball"
+shape = "sphere"
+radius = 0.4
+segments = 24
+material = "ball"
+transform = { translate = [0, 0.6, 0] }
+keys = [{ time = 0 }, { time = 1, translate = [0.4, 0.7, 0], scale = [1, 0.7, 1] }]
+[[light]]
+name = "lamp"
+kind = "point"
+position = [0.5, 3, 0]
+intensity = 10
+keys = [{ time = 0 }, { time = 1, position = [-0.5, 3, 0.4], intensity = [5, 10, 20] }]
+"#;
+
+/// As a scene that stands where the keys of one second say.
+fn stands(keyed: &str) -> Scene {
+    let still: String =
+        keyed.lines().filter(|line| !line.starts_with("keys")).map(|line| format!("{line}\n")).collect();
+    let still = still
+        .replace("position = [0, 2, 2]", "position = [1, 2, 1.5]\nfov_y = 40")
+        .replace("translate = [0, 0.6, 0]", "translate = [0.4, 0.7, 0], scale = [1, 0.7, 1]")
+        .replace("position = [0.5, 3, 0]\nintensity = 10", "position = [-0.5, 3, 0.4]\nintensity = [5, 10, 20]");
+    scene::parse(&still, Path::new("still.toml")).unwrap()
+}
+
+/// With `reference`, which asks where lamp and ball are when it sends photons; the kernels of `mnee` take
+/// SwiftShader much longer to compile.
+fn keyed(request: &Request) {
+    let set = &["reference.photons=20000"];
+    let settings = RenderSettings { camera: None, size: None, ..settings(request, TechniqueKind::Reference, set) };
+    let mut row = Renderer::new(scene::parse(KEYED, Path::new("keyed.toml")).unwrap(), &settings).unwrap();
+    for frame in [2, 4] {
+        row.go_to(frame).unwrap();
+    }
+    let moved = picture(&mut row);
+    assert_valid(row.device());
+    let still = picture(&mut Renderer::new(stands(KEYED), &settings).unwrap());
+    for name in ["final", "caustic"] {
+        assert_eq!(layer(&moved.image, name), layer(&still.image, name), "{name}");
     }
 }

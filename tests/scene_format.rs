@@ -94,12 +94,12 @@ fn each_wrong_value_has_its_sentence() {
         (
             "[film]",
             "[flim]",
-            "bad.toml:1: unknown key `flim` in the scene file; allowed: film, camera, medium, material, object, light",
+            "bad.toml:1: unknown key `flim` in the scene file; allowed: film, animation, camera, medium, material, object, light",
         ),
         (
             "size = [4, 4]",
             "radius = 4",
-            "bad.toml:23: unknown key `radius` in a plane [[object]]; allowed: name, shape, material, transform, centre, size, subdivisions",
+            "bad.toml:23: unknown key `radius` in a plane [[object]]; allowed: name, shape, material, transform, keys, interpolation, repeat, centre, size, subdivisions",
         ),
         (
             "width = 64",
@@ -272,7 +272,7 @@ fn no_prefix_or_damage_of_a_scene_makes_the_reader_panic() {
 }
 
 /// A scene whose last table holds the key `unknown`, and the heading of `FORMAT.md` that lists that table's keys.
-const TABLES: [(&str, &str); 19] = [
+const TABLES: &[(&str, &str)] = &[
     ("[film]", "## `[film]`"),
     ("[[camera]]", "## `[[camera]]`"),
     ("[[medium]]", "## `[[medium]]`"),
@@ -292,6 +292,22 @@ const TABLES: [(&str, &str); 19] = [
     ("[[object]]\nname = \"o\"\nshape = \"plane\"\n[object.transform]", "### `transform`"),
     ("[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[[object.waves]]", "### `waves`"),
     ("[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[[object.bumps]]", "### `bumps`"),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"waves\"",
+        "### `motion` by `waves`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"",
+        "### `simulated` `motion`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"\nspeed = 1\n[[object.motion.drops]]",
+        "### `drops`",
+    ),
+    (
+        "[[object]]\nname = \"o\"\nshape = \"heightfield\"\nx = [0, 1]\nz = [0, 1]\n[object.motion]\nkind = \"simulated\"\nspeed = 1\n[object.motion.rain]",
+        "### `rain`",
+    ),
 ];
 
 /// The first column under a heading of `FORMAT.md`.

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use nephroid::scene::adjacency::Adjacency;
+use nephroid::scene::animation::WaterMotion;
 use nephroid::scene::{Emitter, Instance, Scene, Surface, load};
 
-const SHIPPED: [&str; 6] = ["flat_water", "pool", "lagoon", "glass_sphere", "cornell_flooded", "cup"];
+const SHIPPED: [&str; 7] = ["flat_water", "pool", "ripples", "lagoon", "glass_sphere", "cornell_flooded", "cup"];
 
 /// Half a unit in the last of the eight digits that the pool's reference mesh was written with, and one of f32.
 const TOLERANCE: f32 = 2e-7;
@@ -131,4 +132,62 @@ fn flat_water_is_one_square_at_height_zero() {
     assert_eq!(mesh.triangles, [[0, 2, 3], [0, 3, 1]]);
     assert!(mesh.positions.iter().all(|p| p.y == 0.0 && p.x.abs() == 6.0 && p.z.abs() == 6.0));
     assert!(mesh.normals.iter().all(|normal| *normal == glam::Vec3::Y));
+}
+
+#[test]
+fn pool_lagoon_and_ripples_move_and_begin_as_they_are_loaded() {
+    for name in SHIPPED {
+        let mut scene = shipped(name);
+        let animation = scene.animation.clone();
+        assert_eq!(animation.moves(), ["pool", "lagoon", "ripples"].contains(&name), "{name}");
+        let loaded = scene.clone();
+        animation.pose(&mut scene, 3.7);
+        animation.pose(&mut scene, animation.time(0));
+        assert_eq!((&scene.cameras, &scene.lights), (&loaded.cameras, &loaded.lights), "{name}");
+        let transforms = |scene: &Scene| scene.instances.iter().map(|i| i.transform).collect::<Vec<_>>();
+        assert_eq!(transforms(&scene), transforms(&loaded), "{name}");
+        for water in &animation.waters {
+            let positions = &loaded.meshes[water.mesh].positions;
+            assert_eq!(water.field.at(Some(2.0), 0.0).mesh("water").positions, *positions, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_lagoons_raft_bobs_as_one_body() {
+    /// Keys give heights to 1e-4 m and leave out the cosine of the tilt: 0.14 (1 - cos 1.2 degrees) is less.
+    const AT_KEYS: f32 = 3e-4;
+    /// Planks' heights are interpolated each by itself, 1 mm apart at most: joints that nobody sees.
+    const BETWEEN_KEYS: f32 = 1e-3;
+    let mut scene = shipped("lagoon");
+    let animation = scene.animation.clone();
+    let planks = |scene: &Scene| [1, 2, 3].map(|k| instance(scene, &format!("plank {k}")).transform);
+    let loaded = planks(&scene);
+    let ends = [-0.8, 0.8].map(|x| loaded[1].transform_point3(glam::Vec3::new(x, 0.0, 0.0)));
+    let mut risen = 0.0f32;
+    for k in 0..40 {
+        animation.pose(&mut scene, 0.1 * f64::from(k));
+        let moved = planks(&scene);
+        let tolerance = if k % 10 == 0 { AT_KEYS } else { BETWEEN_KEYS };
+        for end in ends {
+            // Where each plank's motion would take the end of the middle one.
+            let [a, b, c] = [0, 1, 2].map(|k| (moved[k] * loaded[k].inverse()).transform_point3(end));
+            let apart = (a - b).length().max((c - b).length());
+            assert!(apart < tolerance, "{k}: {apart}");
+            risen = risen.max((b - end).length());
+        }
+    }
+    // Bobbing is of the waves' size.
+    assert!((0.02..0.06).contains(&risen), "{risen}");
+}
+
+#[test]
+fn the_ripples_are_simulated_in_few_steps() {
+    let Scene { animation, .. } = shipped("ripples");
+    let [water] = animation.waters.as_slice() else { panic!() };
+    let WaterMotion::Simulated(simulation) = &water.motion else { panic!() };
+    assert_eq!(simulation.steps_per_frame(&water.field, animation.fps), 7);
+    let seconds = animation.time(animation.frames.unwrap());
+    // Three drops by name, and three of rain a second.
+    assert_eq!((seconds, simulation.drops_between(&water.field, 0.0, seconds).len()), (8.0, 27));
 }

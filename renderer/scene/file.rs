@@ -7,20 +7,18 @@ use glam::Vec3;
 use toml::de::DeTable;
 
 use super::error::{SceneError, io_reason};
-use super::value::{COORDINATE, Limit, Node, QUANTITY, Source, Table};
-use super::{Camera, FilmSettings, Medium, MediumId, Scene, ToneCurve, light, material, object};
+use super::value::{Limit, Node, QUANTITY, Source, Table};
+use super::{Animation, FilmSettings, Medium, MediumId, Scene, ToneCurve, camera, light, material, object};
 
 /// Pixels a side: one layer of four floats a pixel fills 4 GiB then.
 const LARGEST_FILM: u32 = 16_384;
 const MOST_SAMPLES: u32 = 1 << 20;
+const MOST_FRAMES: u32 = 1_000_000;
 
 const INDEX: Limit = Limit { holds: |n| (1.0..=10.0).contains(&n), words: "from 1 to 10" };
 const ASYMMETRY: Limit = Limit { holds: |g| (-0.999..=0.999).contains(&g), words: "from -0.999 to 0.999" };
-const FIELD_OF_VIEW: Limit = Limit { holds: |fov| (0.1..=179.0).contains(&fov), words: "from 0.1 to 179" };
+const FRAMES_PER_SECOND: Limit = Limit { holds: |fps| (0.01..=1000.0).contains(&fps), words: "from 0.01 to 1000" };
 const EXPOSURE: Limit = Limit { holds: |stops| (-32.0..=32.0).contains(&stops), words: "from -32 to 32" };
-
-/// The sine of the angle between a camera's up and its view, below which the picture has no defined roll.
-const LEAST_UP_SINE: f64 = 1e-4;
 
 /// Reads the scene file at `path` and all files it refers to; relative names are taken from the scene file's folder.
 ///
@@ -39,27 +37,28 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
     let source = Source { path, text };
     let document = DeTable::parse(text).map_err(|error| syntax_error(source, &error))?;
-    let keys = ["film", "camera", "medium", "material", "object", "light"];
+    let keys = ["film", "animation", "camera", "medium", "material", "object", "light"];
     let root = Table::root(source, document.get_ref(), &keys)?;
 
     let mut scene = empty_scene(path);
     if let Some(film) = root.get("film") {
         scene.film = read_film(&film)?;
     }
+    if let Some(animation) = root.get("animation") {
+        scene.animation = read_animation(&animation)?;
+    }
     for node in tables(&root, "medium")? {
         let medium = read_medium(&node, &scene.media)?;
         scene.media.push(medium);
     }
     for node in tables(&root, "camera")? {
-        let camera = read_camera(&node, &scene)?;
-        scene.cameras.push(camera);
+        camera::read(&node, &mut scene)?;
     }
     for node in tables(&root, "material")? {
         material::read(&node, &mut scene)?;
     }
     for node in tables(&root, "light")? {
-        let light = light::read(&node, &scene)?;
-        scene.lights.push(light);
+        light::read(&node, &mut scene)?;
     }
     object::read_all(&tables(&root, "object")?, &mut scene)?;
 
@@ -72,6 +71,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
     if scene.lights.is_empty() {
         scene.warnings.push(format!("{} has no [[light]]: only its background is seen", path.display()));
     }
+    let animation = scene.animation.clone();
+    animation.pose(&mut scene, 0.0);
     Ok(scene)
 }
 
@@ -186,27 +187,11 @@ fn read_medium(node: &Node, media: &[Medium]) -> Result<Medium, SceneError> {
     })
 }
 
-fn read_camera(node: &Node, scene: &Scene) -> Result<Camera, SceneError> {
-    let table = node.table("[[camera]]", &["name", "position", "target", "up", "fov_y", "medium"])?;
-    let name = read_name(&table, "camera", scene.cameras.iter().map(|camera| camera.name.as_str()))?;
-    let position = table.need("position", "a list of three numbers")?.vec3(COORDINATE)?;
-    let target_node = table.need("target", "a list of three numbers")?;
-    let target = target_node.vec3(COORDINATE)?;
-    if (target - position).length() < 1e-6 {
-        return Err(target_node.refuse("a point at least 1e-6 from the camera's position"));
-    }
-    let up = table.or("up", glam::DVec3::Y, |node| node.direction())?;
-    let sine = up.cross((target - position).normalize()).length();
-    if sine < LEAST_UP_SINE {
-        let node = table.get("up").unwrap_or(target_node);
-        return Err(node.refuse("a camera whose `up` (0, 1, 0 if left out) is not along its view"));
-    }
-    Ok(Camera {
-        name,
-        position: position.as_vec3(),
-        target: target.as_vec3(),
-        up: up.as_vec3(),
-        fov_y: table.or("fov_y", 45.0, |node| node.number(FIELD_OF_VIEW))? as f32,
-        medium: read_medium_id(&table, "medium", &scene.media)?,
+fn read_animation(node: &Node) -> Result<Animation, SceneError> {
+    let table = node.table("[animation]", &["fps", "frames"])?;
+    Ok(Animation {
+        fps: table.or("fps", 24.0, |node| node.number(FRAMES_PER_SECOND))?,
+        frames: table.get("frames").map(|node| node.whole(1, MOST_FRAMES)).transpose()?,
+        ..Animation::default()
     })
 }

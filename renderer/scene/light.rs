@@ -1,15 +1,17 @@
 //! `[[light]]`.
 
+use glam::{DVec3, Vec3};
+
+use super::animation::{Aim, LightPose};
 use super::error::SceneError;
 use super::file::{read_medium_id, read_name};
+use super::keyed::{self, KEYED};
 use super::value::{COORDINATE, Limit, Node, QUANTITY, Table};
 use super::{Emitter, Light, Scene};
 
 const HALF_ANGLE: Limit = Limit { holds: |degrees| (0.0..=90.0).contains(&degrees), words: "from 0 to 90" };
 
-const POINT_KEYS: &[&str] = &["name", "kind", "medium", "position", "intensity"];
-const SPOT_KEYS: &[&str] = &["name", "kind", "medium", "position", "target", "intensity", "inner", "outer"];
-const DIRECTIONAL_KEYS: &[&str] = &["name", "kind", "medium", "direction", "irradiance"];
+const CONE: &[&str] = &["inner", "outer"];
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -18,54 +20,86 @@ enum Kind {
     Directional,
 }
 
-pub(super) fn read(node: &Node, scene: &Scene) -> Result<Light, SceneError> {
+impl Kind {
+    fn title(self) -> &'static str {
+        match self {
+            Kind::Point => "a point [[light]]",
+            Kind::Spot => "a spot [[light]]",
+            Kind::Directional => "a directional [[light]]",
+        }
+    }
+
+    /// What keys can change.
+    fn pose(self) -> &'static [&'static str] {
+        match self {
+            Kind::Point => &["position", "intensity"],
+            Kind::Spot => &["position", "target", "intensity"],
+            Kind::Directional => &["direction", "irradiance"],
+        }
+    }
+}
+
+/// Reads one light, and its keys, into the scene.
+pub(super) fn read(node: &Node, scene: &mut Scene) -> Result<(), SceneError> {
     let kinds = [("point", Kind::Point), ("spot", Kind::Spot), ("directional", Kind::Directional)];
     let any = node.any_table("[[light]]")?;
     let kind = any.need("kind", "\"point\", \"spot\", \"directional\"")?.choice(&kinds)?;
-    let table = match kind {
-        Kind::Point => node.table("a point [[light]]", POINT_KEYS)?,
-        Kind::Spot => node.table("a spot [[light]]", SPOT_KEYS)?,
-        Kind::Directional => node.table("a directional [[light]]", DIRECTIONAL_KEYS)?,
-    };
+    let cone = if let Kind::Spot = kind { CONE } else { &[] };
+    let table = node.table(kind.title(), &[&["name", "kind", "medium"], kind.pose(), cone, KEYED].concat())?;
     let name = read_name(&table, "light", scene.lights.iter().map(|light| light.name.as_str()))?;
+    let own = read_pose(kind, node, &table, None)?;
     let emitter = match kind {
-        Kind::Point => point(&table)?,
-        Kind::Spot => spot(&table)?,
-        Kind::Directional => directional(&table)?,
+        Kind::Point => Emitter::Point { position: Vec3::ZERO, intensity: Vec3::ZERO },
+        Kind::Spot => read_cone(&table)?,
+        Kind::Directional => Emitter::Directional { direction: Vec3::ZERO, irradiance: Vec3::ZERO },
     };
-    Ok(Light { name, emitter, medium: read_medium_id(&table, "medium", &scene.media)? })
+    let mut light = Light { name, emitter, medium: read_medium_id(&table, "medium", &scene.media)? };
+    own.put(&mut light);
+    let place = scene.lights.len();
+    let title = format!("a key of {}", kind.title());
+    let keys =
+        keyed::read(&table, place..place + 1, &title, kind.pose(), |node, key| read_pose(kind, node, key, Some(&own)))?;
+    scene.animation.lights.extend(keys);
+    scene.lights.push(light);
+    Ok(())
 }
 
-fn point(table: &Table) -> Result<Emitter, SceneError> {
-    let position = table.need("position", "a list of three numbers")?.vec3(COORDINATE)?;
-    let intensity = table.need("intensity", "W/sr, a number or a list of three")?.rgb(QUANTITY)?;
-    Ok(Emitter::Point { position: position.as_vec3(), intensity })
+/// What the table at `node` says; `own` is what it leaves out.
+fn read_pose(kind: Kind, node: &Node, table: &Table, own: Option<&LightPose>) -> Result<LightPose, SceneError> {
+    let three = "a list of three numbers";
+    let position = || table.or_need("position", three, own.map(|own| own.position), |node| node.vec3(COORDINATE));
+    let power = |key, unit: &str| {
+        let allowed = format!("{unit}, a number or a list of three");
+        table.or_need(key, &allowed, own.map(|own| own.power), |node| node.triple(QUANTITY))
+    };
+    match kind {
+        Kind::Point => Ok(LightPose { position: position()?, aim: Aim::Nowhere, power: power("intensity", "W/sr")? }),
+        Kind::Spot => {
+            let position = position()?;
+            let aim = table
+                .or_need("target", three, own.map(|own| own.aim), |node| Ok(Aim::Target(node.vec3(COORDINATE)?)))?;
+            let pose = LightPose { position, aim, power: power("intensity", "W/sr")? };
+            if pose.axis().is_none() {
+                let found = table.get("target").or_else(|| table.get("position")).unwrap_or_else(|| node.clone());
+                return Err(found.refuse("a point other than the light's position"));
+            }
+            Ok(pose)
+        }
+        Kind::Directional => {
+            let aim = table
+                .or_need("direction", three, own.map(|own| own.aim), |node| Ok(Aim::Direction(node.direction()?)))?;
+            Ok(LightPose { position: DVec3::ZERO, aim, power: power("irradiance", "W/m2")? })
+        }
+    }
 }
 
-fn spot(table: &Table) -> Result<Emitter, SceneError> {
-    let position = table.need("position", "a list of three numbers")?.vec3(COORDINATE)?;
-    let target_node = table.need("target", "a list of three numbers")?;
-    let target = target_node.vec3(COORDINATE)?;
-    let Some(direction) = (target - position).try_normalize() else {
-        return Err(target_node.refuse("a point other than the light's position"));
-    };
-    let intensity = table.need("intensity", "W/sr, a number or a list of three")?.rgb(QUANTITY)?;
+/// A spot light that is yet to be posed.
+fn read_cone(table: &Table) -> Result<Emitter, SceneError> {
     let outer = table.need("outer", "a half angle in degrees from 0 to 90")?.number(HALF_ANGLE)?;
     let inner = table.or("inner", outer, |node| {
         let inner = node.number(HALF_ANGLE)?;
         if inner > outer { Err(node.refuse(format!("a number from 0 to `outer`, {outer}"))) } else { Ok(inner) }
     })?;
-    Ok(Emitter::Spot {
-        position: position.as_vec3(),
-        direction: direction.as_vec3(),
-        intensity,
-        inner: inner.to_radians() as f32,
-        outer: outer.to_radians() as f32,
-    })
-}
-
-fn directional(table: &Table) -> Result<Emitter, SceneError> {
-    let direction = table.need("direction", "a list of three numbers")?.direction()?;
-    let irradiance = table.need("irradiance", "W/m2, a number or a list of three")?.rgb(QUANTITY)?;
-    Ok(Emitter::Directional { direction: direction.as_vec3(), irradiance })
+    let (inner, outer) = (inner.to_radians() as f32, outer.to_radians() as f32);
+    Ok(Emitter::Spot { position: Vec3::ZERO, direction: Vec3::NEG_Y, intensity: Vec3::ZERO, inner, outer })
 }

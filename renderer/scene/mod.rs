@@ -5,12 +5,15 @@
 
 pub mod adjacency;
 pub mod animation;
+mod camera;
 pub mod error;
 mod file;
 pub mod height_field;
+mod keyed;
 mod light;
 mod material;
 pub mod mend;
+mod motion;
 mod mtl;
 mod obj;
 mod obj_check;
@@ -28,6 +31,7 @@ use glam::{Affine3A, Vec2, Vec3};
 pub use animation::Animation;
 pub use error::SceneError;
 pub use file::{load, parse};
+pub use transform::Placement;
 
 /// Index into [`Scene::meshes`].
 pub type MeshId = usize;

@@ -1,15 +1,18 @@
 //! `[[object]]`: shapes made, files loaded, each placed in the world.
 
-use glam::{Affine3A, DVec2, DVec3};
+use std::ops::Range;
 
-use super::animation::{Simulation, Water, WaterMotion};
+use glam::{Affine3A, BVec3, DVec2, DVec3, Vec3};
+
+use super::animation::{Keys, Water};
 use super::error::SceneError;
 use super::file::{find_name, read_name};
 use super::height_field::{Bump, HeightField, Relief, Wave};
+use super::keyed::{self, KEYED};
 use super::obj::{self, Loaded};
 use super::shapes::{Face, cuboid, cylinder, plane, sphere};
-use super::value::{ANGLE, COORDINATE, LENGTH, Node, QUANTITY, Table};
-use super::{Instance, MaterialId, Mesh, MeshId, Scene, mend, texture, transform};
+use super::value::{ANGLE, COORDINATE, LENGTH, Node, Table};
+use super::{Bounds, Instance, MaterialId, Mesh, MeshId, Placement, Scene, mend, motion, texture, transform};
 
 /// Quads along one side of a sheet: 2048 squared makes 8 million triangles, 0.24 GB on the host.
 const MOST_QUADS: u32 = 2048;
@@ -17,6 +20,8 @@ const MOST_QUADS: u32 = 2048;
 const FARTHEST: f32 = 1e6;
 
 const COMMON: &[&str] = &["name", "shape", "material", "transform"];
+
+const NO_PLACE: &str = "a placement with all points within 1e6 of the origin";
 
 #[derive(Clone, Copy)]
 enum Shape {
@@ -70,21 +75,50 @@ pub(super) fn read_all(nodes: &[Node], scene: &mut Scene) -> Result<(), SceneErr
             .any_table("[[object]]")?
             .need("shape", "\"obj\", \"plane\", \"box\", \"sphere\", \"cylinder\", \"heightfield\"")?
             .choice(&SHAPES)?;
-        let table = node.table(shape.title(), &[COMMON, shape.keys()].concat())?;
+        let table = node.table(shape.title(), &[COMMON, KEYED, shape.keys()].concat())?;
         let name = read_name(&table, "object", names.iter().map(String::as_str))?;
-        read(&table, shape, &name, &mut files, scene)?;
+        let own = table.or("transform", Placement::IDENTITY, |node| transform::read(&node))?;
+        let first = scene.instances.len();
+        read(&table, shape, &name, own.transform(), &mut files, scene)?;
+        let keys = read_keys(&table, &own, first..scene.instances.len(), scene)?;
+        scene.animation.objects.extend(keys);
         names.push(name);
     }
     Ok(())
 }
 
-fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene: &mut Scene) -> Result<(), SceneError> {
+/// The keys of the object that made the instances `of`; `own` is its own placement.
+fn read_keys(
+    table: &Table,
+    own: &Placement,
+    of: Range<usize>,
+    scene: &Scene,
+) -> Result<Option<Keys<Placement>>, SceneError> {
+    let meshes = || scene.instances[of.clone()].iter().map(|instance| &scene.meshes[instance.mesh]);
+    let boxes: Vec<[Vec3; 8]> = meshes().map(corners).collect();
+    keyed::read(table, of.clone(), "a key of an [[object]]", transform::KEYS, |node, key| {
+        let placement = transform::read_pose(key, own)?;
+        let transform = placement.transform();
+        // A mesh may have millions of points, and an object many keys.
+        let near =
+            |(mesh, corners): (&Mesh, &[Vec3; 8])| are_near(corners, transform) || are_near(&mesh.positions, transform);
+        if meshes().zip(&boxes).all(near) { Ok(placement) } else { Err(node.refuse(NO_PLACE)) }
+    })
+}
+
+fn read(
+    table: &Table,
+    shape: Shape,
+    name: &str,
+    placement: Affine3A,
+    files: &mut Vec<Loaded>,
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
     let materials = scene.materials.iter().map(|material| material.name.as_str());
     let material = match table.get("material") {
         Some(node) => Some(find_name(&node, "material", materials)?),
         None => None,
     };
-    let placement = table.or("transform", Affine3A::IDENTITY, |node| transform::read(&node))?;
 
     if let Shape::Obj = shape {
         let file = table.need("file", "the name of an OBJ file")?;
@@ -117,7 +151,7 @@ fn read(table: &Table, shape: Shape, name: &str, files: &mut Vec<Loaded>, scene:
     }
     scene.meshes.push(mesh);
     if let (Some(field), Some(node)) = (field, table.get("motion")) {
-        let motion = read_motion(&node)?;
+        let motion = motion::read(&node, &field, scene.animation.fps)?;
         scene.animation.waters.push(Water { mesh: scene.meshes.len() - 1, field, motion });
     }
     place(table, scene, name, scene.meshes.len() - 1, material, placement)
@@ -131,13 +165,24 @@ fn place(
     material: MaterialId,
     transform: Affine3A,
 ) -> Result<(), SceneError> {
-    let placed = |point: &glam::Vec3| transform.transform_point3(*point).abs().max_element();
-    if !scene.meshes[mesh].positions.iter().all(|point| placed(point) <= FARTHEST) {
+    if !are_near(&scene.meshes[mesh].positions, transform) {
         let node = table.get("transform").map_or_else(|| table.need("name", ""), Ok)?;
-        return Err(node.refuse(format!("a placement with all points within {FARTHEST:e} of the origin")));
+        return Err(node.refuse(NO_PLACE));
     }
     scene.instances.push(Instance { name: name.to_owned(), mesh, material, transform });
     Ok(())
+}
+
+/// Whether all points, once placed, are near enough to the origin.
+fn are_near(points: &[Vec3], transform: Affine3A) -> bool {
+    points.iter().all(|&point| transform.transform_point3(point).abs().max_element() <= FARTHEST)
+}
+
+/// Of the box that holds the mesh.
+fn corners(mesh: &Mesh) -> [Vec3; 8] {
+    let mut bounds = Bounds::EMPTY;
+    mesh.positions.iter().for_each(|&point| bounds.include(point));
+    std::array::from_fn(|k| Vec3::select(BVec3::new(k & 1 > 0, k & 2 > 0, k & 4 > 0), bounds.max, bounds.min))
 }
 
 fn centre(table: &Table) -> Result<DVec3, SceneError> {
@@ -193,21 +238,9 @@ fn read_height_field(table: &Table) -> Result<HeightField, SceneError> {
         quads: table.or("quads", [256, 256], |node| node.whole_pair(1, MOST_QUADS))?,
         base: table.or("base", 0.0, |node| node.number(COORDINATE))?,
         waves: read_each(table, "waves", read_wave)?,
-        bumps: read_each(table, "bumps", read_bump)?,
+        bumps: read_each(table, "bumps", |node| read_bump(&node.table("a bump", BUMP_KEYS)?))?,
         relief: table.get("image").map(|node| read_relief(&node)).transpose()?,
     })
-}
-
-fn read_motion(node: &Node) -> Result<WaterMotion, SceneError> {
-    let table = node.table("`motion`", &["kind", "depth", "speed", "damping"])?;
-    match table.need("kind", "\"waves\", \"simulated\"")?.choice(&[("waves", false), ("simulated", true)])? {
-        false => Ok(WaterMotion::Waves { depth: table.get("depth").map(|node| node.number(LENGTH)).transpose()? }),
-        true => Ok(WaterMotion::Simulated(Simulation {
-            speed: table.need("speed", "metres per second")?.number(LENGTH)?,
-            damping: table.or("damping", 0.0, |node| node.number(QUANTITY))?,
-            drops: Vec::new(),
-        })),
-    }
 }
 
 fn read_side(table: &Table, key: &str) -> Result<[f64; 2], SceneError> {
@@ -219,7 +252,12 @@ fn read_side(table: &Table, key: &str) -> Result<[f64; 2], SceneError> {
     Ok([first, last])
 }
 
-fn read_each<T>(table: &Table, key: &str, read: fn(&Node) -> Result<T, SceneError>) -> Result<Vec<T>, SceneError> {
+/// The tables of the list `key`, none where there is no such key.
+pub(super) fn read_each<T>(
+    table: &Table,
+    key: &str,
+    read: fn(&Node) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
     table.get(key).map_or(Ok(Vec::new()), |node| node.list("tables")?.iter().map(read).collect())
 }
 
@@ -233,8 +271,9 @@ fn read_wave(node: &Node) -> Result<Wave, SceneError> {
     })
 }
 
-fn read_bump(node: &Node) -> Result<Bump, SceneError> {
-    let table = node.table("a bump", &["centre", "height", "radius"])?;
+pub(super) const BUMP_KEYS: &[&str] = &["centre", "height", "radius"];
+
+pub(super) fn read_bump(table: &Table) -> Result<Bump, SceneError> {
     Ok(Bump {
         centre: table.need("centre", "a list of two numbers, x and z")?.vec2(COORDINATE)?,
         height: table.need("height", "a number of metres")?.number(COORDINATE)?,

@@ -238,6 +238,20 @@ impl<'s> Table<'s> {
     ) -> Result<T, SceneError> {
         self.get(key).map_or(Ok(default), read)
     }
+
+    /// Reads a key that may be left out where there is a default.
+    pub fn or_need<T>(
+        &self,
+        key: &str,
+        allowed: &str,
+        default: Option<T>,
+        read: impl FnOnce(Node<'s>) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        match default {
+            Some(default) => self.or(key, default, read),
+            None => read(self.need(key, allowed)?),
+        }
+    }
 }
 
 /// How many values of a list a message repeats.
