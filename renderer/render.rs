@@ -139,12 +139,15 @@ impl Renderer {
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
         let mut gpu_scene = GpuScene::new(&device, &scene)?;
         let mut animator = Animator::new(&device, &scene, &gpu_scene)?;
+        // Built at time 0 whatever the frame, so that a frame has the same structures however it is come to.
+        let (mut tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         let mut passes = Vec::new();
         if scene.animation.moves() {
-            stats::add_times(&mut passes, &animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?.times);
+            let moved = animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?;
+            stats::add_times(&mut passes, &moved.times);
+            stats::add_times(&mut passes, &tracer.update(&device, &scene, &gpu_scene, &moved.meshes)?);
         }
         let camera = camera(&scene, Some(&camera_name))?.clone();
-        let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         let mut renderer = Renderer {
             device,
             scene,
@@ -191,7 +194,8 @@ impl Renderer {
         if self.scene.animation.moves() {
             let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
             stats::add_times(&mut self.passes, &moved.times);
-            self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
+            let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
+            stats::add_times(&mut self.passes, &times);
             if self.own_camera {
                 self.camera = camera(&self.scene, Some(&self.camera.name))?.clone();
             }

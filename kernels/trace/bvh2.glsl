@@ -1,11 +1,6 @@
 // Tracing through a binary tree of boxes.
 
-struct BinaryNode { // object space
-    vec3 low;
-    uint triangles; // 0 for an inner node
-    vec3 high;
-    uint first; // child, the other behind it; or triangle
-};
+#include "trace/binary_node.glsl"
 
 layout(set = 1, binding = 0, std430) readonly buffer TraceNodes { BinaryNode trace_nodes[]; };
 

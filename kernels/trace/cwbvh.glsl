@@ -1,16 +1,7 @@
 // Tracing through an eight-wide tree with quantised boxes, after Ylitie, Karras and Laine, "Efficient Incoherent Ray
 // Traversal on GPUs Through Compressed Wide BVHs", 2017.
 
-struct WideNode { // object space
-    vec3 origin; // of the grid that the children's boxes are on
-    uint scales; // biased exponents of the grid's step along x, y, z; then a bit for each child that is a node
-    uint first_node; // children that are nodes, in the order of their slots
-    uint first_triangle;
-    uvec2 meta; // a byte a slot: 0 if empty; node: 32 + 24 + slot; leaf: unary count << 5 | offset of its triangles
-    uvec4 x; // a byte a slot: low planes in the first two words, high planes in the others
-    uvec4 y;
-    uvec4 z;
-};
+#include "trace/wide_node.glsl"
 
 layout(set = 1, binding = 0, std430) readonly buffer TraceNodes { WideNode trace_nodes[]; };
 

@@ -6,14 +6,7 @@
 // covers the exact closed triangles, edges and vertices included. It holds only without fused multiply-add in the edge
 // functions, hence `precise`.
 
-struct LeafTriangle { // object space
-    vec3 a;
-    uint primitive;
-    vec3 b;
-    uint padding0;
-    vec3 c;
-    uint padding1;
-};
+#include "trace/leaf_triangle.glsl"
 
 layout(set = 1, binding = 1, std430) readonly buffer TraceTriangles { LeafTriangle trace_triangles[]; };
 

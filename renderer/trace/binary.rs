@@ -4,7 +4,9 @@ use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 
 use super::TraceError;
+use super::refit::Levels;
 use super::tree::{self, LeafTriangle};
+use super::trees::MeshTree;
 use crate::scene::Mesh;
 
 crate::gpu_struct! {
@@ -20,28 +22,16 @@ crate::gpu_struct! {
 /// A mesh's tree on the host.
 pub(super) struct BinaryTree(Bvh2);
 
-impl BinaryTree {
-    pub(super) fn build(mesh: &Mesh) -> Result<Self, TraceError> {
+impl MeshTree for BinaryTree {
+    type Node = BinaryNode;
+    const REFIT_KERNEL: &'static str = "trace/refit_binary";
+    const QUANTISED: bool = false;
+
+    fn build(mesh: &Mesh) -> Result<Self, TraceError> {
         tree::build(mesh).map(BinaryTree)
     }
 
-    pub(super) fn primitives(&self) -> usize {
-        self.0.primitive_indices.len()
-    }
-
-    /// Fits the boxes to moved vertices.
-    pub(super) fn refit(&mut self, mesh: &Mesh) {
-        let Bvh2 { nodes, primitive_indices, .. } = &mut self.0;
-        for leaf in nodes.iter_mut().filter(|node| node.is_leaf()) {
-            if let Some(&primitive) = primitive_indices.get(leaf.first_index as usize) {
-                leaf.set_aabb(tree::bounds(mesh, primitive));
-            }
-        }
-        self.0.refit_all();
-    }
-
-    /// Adds nodes and triangles. The tree's root is the first node added.
-    pub(super) fn append(&self, mesh: &Mesh, nodes: &mut Vec<BinaryNode>, triangles: &mut Vec<LeafTriangle>) {
+    fn append(&self, mesh: &Mesh, nodes: &mut Vec<BinaryNode>, triangles: &mut Vec<LeafTriangle>) {
         let first_node = nodes.len() as u32;
         for node in &self.0.nodes {
             let first = if node.is_leaf() {
@@ -58,5 +48,14 @@ impl BinaryTree {
                 first,
             });
         }
+    }
+
+    fn levels(&self) -> Levels {
+        let nodes = &self.0.nodes;
+        Levels::new(nodes.len(), |at| {
+            let first = nodes[at].first_index as usize;
+            let children = if nodes[at].is_leaf() { 0 } else { 2 };
+            first..first + children
+        })
     }
 }

@@ -8,14 +8,17 @@ mod choose;
 mod device_structures;
 mod error;
 mod probe;
+mod refit;
 mod smoke;
 mod structure;
 mod top;
 mod tracer;
 mod tree;
+mod trees;
 mod wide;
 
 pub use choose::{Choice, MARGIN, Measurement, TraceChoice, choose};
+pub use device_structures::Following;
 pub use error::TraceError;
 pub use probe::{Probe, ProbeHit, Ray};
 pub use structure::AccelerationStructure;
@@ -37,6 +40,9 @@ pub const LAYOUTS: &[Layout] = &[
     wide::WideNode::LAYOUT,
     binary::BinaryNode::LAYOUT,
     top::TopNode::LAYOUT,
+    refit::RefitTrianglesPush::LAYOUT,
+    refit::RefitPush::LAYOUT,
+    refit::RefitBox::LAYOUT,
 ];
 
 /// Usage flags that vertex and index buffers need for acceleration structures to be built from them.

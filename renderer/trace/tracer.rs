@@ -3,14 +3,13 @@
 use std::time::Instant;
 
 use super::TraceError;
-use super::binary::{BinaryNode, BinaryTree};
-use super::device_structures::DeviceStructures;
-use super::top;
-use super::tree::LeafTriangle;
-use super::wide::{WideNode, WideTree};
-use crate::gpu::{Bindings, Buffer, Capability, Device};
+use super::binary::BinaryTree;
+use super::device_structures::{DeviceStructures, Following};
+use super::trees::Trees;
+use super::wide::WideTree;
+use crate::gpu::{Bindings, Capability, Device, PassTime};
 use crate::gpu_scene::GpuScene;
-use crate::scene::{Mesh, MeshId, Scene};
+use crate::scene::{MeshId, Scene};
 
 /// Who answers the rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -61,122 +60,85 @@ pub struct Tracer {
     /// Bytes of device memory that the structures hold.
     pub memory: u64,
     structures: Structures,
+    /// Of each mesh: triangles and vertices.
+    counts: Vec<(usize, usize)>,
 }
 
 enum Structures {
     Device(DeviceStructures),
-    Wide(Vec<Option<WideTree>>),
-    Binary(Vec<Option<BinaryTree>>),
+    Trees(Trees),
 }
 
 impl Tracer {
     /// Builds the structures. `gpu_scene` is the scene's copy on the device.
     pub fn new(device: &Device, scene: &Scene, gpu_scene: &GpuScene, backend: Backend) -> Result<Tracer, TraceError> {
+        Self::following(device, scene, gpu_scene, backend, Following::default())
+    }
+
+    /// As [`new`](Self::new), with a say in how ray queries follow moved vertices; other back-ends have one way only.
+    pub fn following(
+        device: &Device,
+        scene: &Scene,
+        gpu_scene: &GpuScene,
+        backend: Backend,
+        following: Following,
+    ) -> Result<Tracer, TraceError> {
         if !backend.available(device) {
             return Err(TraceError::NoRayQuery { device: device.info.name.clone() });
         }
         let started = Instant::now();
         let structures = match backend {
-            Backend::RayQuery => Structures::Device(DeviceStructures::build(device, gpu_scene)?),
-            Backend::Cwbvh => Structures::Wide(each_mesh(scene, WideTree::build)?),
-            Backend::Bvh2 => Structures::Binary(each_mesh(scene, BinaryTree::build)?),
+            Backend::RayQuery => {
+                let moving: Vec<MeshId> = scene.animation.waters.iter().map(|water| water.mesh).collect();
+                Structures::Device(DeviceStructures::build(device, gpu_scene, &moving, following)?)
+            }
+            Backend::Cwbvh => Structures::Trees(Trees::build::<WideTree>(device, scene, gpu_scene)?),
+            Backend::Bvh2 => Structures::Trees(Trees::build::<BinaryTree>(device, scene, gpu_scene)?),
         };
-        let (bindings, memory) = structures.upload(device, scene, gpu_scene)?;
         let build_milliseconds = started.elapsed().as_secs_f64() * 1e3;
-        Ok(Tracer { backend, bindings, build_milliseconds, memory, structures })
+        let (bindings, memory) = structures.bindings();
+        Ok(Tracer { backend, bindings, build_milliseconds, memory, structures, counts: counts(scene) })
     }
 
     /// Follows a scene whose instances or vertices have moved, `moved` naming the meshes whose vertices have.
     ///
-    /// `scene` and `gpu_scene` hold the new positions and transforms; meshes keep their triangles. The bindings are
-    /// new afterwards. Trees are fitted to the vertices, not built again, and get slower the farther those move.
+    /// `scene` and `gpu_scene` hold the new positions and transforms; meshes keep their triangles. Trees are fitted to the
+    /// vertices, not built again, and get slower the farther those move; what was in between makes no difference.
+    ///
+    /// The times are the device's, except for `trace/top` of the trees, which is made by the host and timed by its clock.
     pub fn update(
         &mut self,
         device: &Device,
         scene: &Scene,
         gpu_scene: &GpuScene,
         moved: &[MeshId],
-    ) -> Result<(), TraceError> {
-        self.structures.check_counts(scene)?;
-        match &mut self.structures {
+    ) -> Result<Vec<PassTime>, TraceError> {
+        self.check_counts(scene)?;
+        let times = match &mut self.structures {
             Structures::Device(structures) => structures.update(device, gpu_scene, moved)?,
-            // Fitted whenever it is packed.
-            Structures::Wide(_) => {}
-            Structures::Binary(trees) => {
-                for &id in moved {
-                    if let (Some(Some(tree)), Some(mesh)) = (trees.get_mut(id), scene.meshes.get(id)) {
-                        tree.refit(mesh);
-                    }
-                }
-            }
-        }
-        (self.bindings, self.memory) = self.structures.upload(device, scene, gpu_scene)?;
-        Ok(())
+            Structures::Trees(trees) => trees.update(device, scene, gpu_scene, moved)?,
+        };
+        (self.bindings, self.memory) = self.structures.bindings();
+        Ok(times)
+    }
+
+    fn check_counts(&self, scene: &Scene) -> Result<(), TraceError> {
+        let now = counts(scene);
+        let changed = scene.meshes.iter().enumerate().find(|&(id, _)| self.counts.get(id) != now.get(id));
+        changed.map_or(Ok(()), |(_, mesh)| Err(TraceError::Changed { mesh: mesh.name.clone() }))
     }
 }
 
 impl Structures {
-    fn check_counts(&self, scene: &Scene) -> Result<(), TraceError> {
-        for (id, mesh) in scene.meshes.iter().enumerate() {
-            let built = match self {
-                Structures::Device(_) => return Ok(()),
-                Structures::Wide(trees) => trees.get(id).map(|t| t.as_ref().map_or(0, WideTree::primitives)),
-                Structures::Binary(trees) => trees.get(id).map(|t| t.as_ref().map_or(0, BinaryTree::primitives)),
-            };
-            if built != Some(mesh.triangles.len()) {
-                return Err(TraceError::Changed { mesh: mesh.name.clone() });
-            }
+    /// What kernels are bound to, and bytes of device memory.
+    fn bindings(&self) -> (Bindings, u64) {
+        match self {
+            Structures::Device(structures) => (structures.bindings(), structures.memory()),
+            Structures::Trees(trees) => (trees.bindings(), trees.memory()),
         }
-        Ok(())
-    }
-
-    /// What kernels are bound to, and its bytes.
-    fn upload(&self, device: &Device, scene: &Scene, gpu_scene: &GpuScene) -> Result<(Bindings, u64), TraceError> {
-        let mut triangles = Vec::new();
-        let (nodes, roots) = match self {
-            Structures::Device(structures) => {
-                return Ok((Bindings::new().structure("top_level", &structures.top), structures.memory()));
-            }
-            Structures::Wide(trees) => {
-                let mut nodes: Vec<WideNode> = Vec::new();
-                let roots = append_all(trees, scene, &mut nodes, &mut triangles, WideTree::append);
-                (Buffer::from_slice(device, "trace nodes", &nodes)?, roots)
-            }
-            Structures::Binary(trees) => {
-                let mut nodes: Vec<BinaryNode> = Vec::new();
-                let roots = append_all(trees, scene, &mut nodes, &mut triangles, BinaryTree::append);
-                (Buffer::from_slice(device, "trace nodes", &nodes)?, roots)
-            }
-        };
-        let masks: Vec<u32> = gpu_scene.instances.iter().map(|instance| instance.mask).collect();
-        let triangles = Buffer::from_slice(device, "trace triangles", &triangles)?;
-        let top = Buffer::from_slice(device, "trace top", &top::build(scene, &roots, &masks))?;
-        let memory = nodes.size() + triangles.size() + top.size();
-        let bindings =
-            Bindings::new().buffer("TraceNodes", &nodes).buffer("TraceTriangles", &triangles).buffer("TraceTop", &top);
-        Ok((bindings, memory))
     }
 }
 
-/// A tree for each mesh that has triangles.
-fn each_mesh<T>(scene: &Scene, build: impl Fn(&Mesh) -> Result<T, TraceError>) -> Result<Vec<Option<T>>, TraceError> {
-    scene.meshes.iter().map(|mesh| (!mesh.triangles.is_empty()).then(|| build(mesh)).transpose()).collect()
-}
-
-/// Joins the meshes' trees; the result is where each one's root is.
-fn append_all<T, N>(
-    trees: &[Option<T>],
-    scene: &Scene,
-    nodes: &mut Vec<N>,
-    triangles: &mut Vec<LeafTriangle>,
-    append: impl Fn(&T, &Mesh, &mut Vec<N>, &mut Vec<LeafTriangle>),
-) -> Vec<u32> {
-    let mut roots = Vec::with_capacity(trees.len());
-    for (tree, mesh) in trees.iter().zip(&scene.meshes) {
-        roots.push(nodes.len() as u32);
-        if let Some(tree) = tree {
-            append(tree, mesh, nodes, triangles);
-        }
-    }
-    roots
+fn counts(scene: &Scene) -> Vec<(usize, usize)> {
+    scene.meshes.iter().map(|mesh| (mesh.triangles.len(), mesh.positions.len())).collect()
 }

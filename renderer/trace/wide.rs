@@ -1,17 +1,19 @@
 //! Eight-wide trees with quantised boxes, as `kernels/trace/cwbvh.glsl` reads them.
 //!
 //! obvhs decides which boxes share a node. The grids are our own: obvhs rounds planes to nearest on the way, which can
-//! cut a box by some 1e-7 of the node's size; here every quantised box contains the exact one, and a tree whose vertices
-//! moved is fitted to them without a new build.
+//! cut a box by some 1e-7 of the node's size; here every quantised box contains the exact one. A tree whose vertices moved
+//! is fitted to them by `kernels/trace/refit_wide.comp.glsl`, which makes the same grids.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
 use super::TraceError;
+use super::refit::Levels;
 use super::tree::{self, LeafTriangle};
+use super::trees::MeshTree;
 use crate::scene::Mesh;
 
 /// Triangles a leaf at most; the format holds no more.
@@ -44,20 +46,19 @@ pub(super) struct WideTree {
     primitives: Vec<u32>,
 }
 
-impl WideTree {
-    pub(super) fn build(mesh: &Mesh) -> Result<Self, TraceError> {
+impl MeshTree for WideTree {
+    type Node = WideNode;
+    const REFIT_KERNEL: &'static str = "trace/refit_wide";
+    const QUANTISED: bool = true;
+
+    fn build(mesh: &Mesh) -> Result<Self, TraceError> {
         widen(&tree::build(mesh)?).or_else(|| widen(&tree::build_balanced(mesh))).ok_or_else(|| TraceError::Build {
             mesh: mesh.name.clone(),
             reason: "it has too many triangles".to_string(),
         })
     }
 
-    pub(super) fn primitives(&self) -> usize {
-        self.primitives.len()
-    }
-
-    /// Adds nodes and triangles, with boxes that fit the mesh as it is now. The tree's root is the first node added.
-    pub(super) fn append(&self, mesh: &Mesh, nodes: &mut Vec<WideNode>, triangles: &mut Vec<LeafTriangle>) {
+    fn append(&self, mesh: &Mesh, nodes: &mut Vec<WideNode>, triangles: &mut Vec<LeafTriangle>) {
         let (first_node, first_triangle) = (nodes.len() as u32, triangles.len() as u32);
         triangles.extend(self.primitives.iter().map(|&primitive| LeafTriangle::new(mesh, primitive)));
         let boxes: Vec<Aabb> = self.primitives.iter().map(|&primitive| tree::bounds(mesh, primitive)).collect();
@@ -72,6 +73,17 @@ impl WideTree {
         }
         nodes.extend(packed.into_iter().rev());
     }
+
+    fn levels(&self) -> Levels {
+        Levels::new(self.nodes.len(), |at| {
+            let node = &self.nodes[at];
+            (0..8).filter(|&slot| is_node(node, slot)).map(|slot| node.child_node_index(slot) as usize)
+        })
+    }
+}
+
+fn is_node(node: &CwBvhNode, slot: usize) -> bool {
+    !node.is_child_empty(slot) && !node.is_leaf(slot)
 }
 
 /// `None` where the result would be too deep for the kernel's stack.
@@ -85,7 +97,7 @@ fn depth(nodes: &[CwBvhNode]) -> Option<usize> {
     let mut levels = vec![0usize; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
         let level = *levels.get(index)? + 1;
-        for slot in (0..8).filter(|&slot| !node.is_child_empty(slot) && !node.is_leaf(slot)) {
+        for slot in (0..8).filter(|&slot| is_node(node, slot)) {
             let child = node.child_node_index(slot) as usize;
             *levels.get_mut(child).filter(|_| child > index)? = level;
         }
@@ -113,17 +125,15 @@ fn pack(
     first_triangle: u32,
 ) -> WideNode {
     let origin = Vec3::from(whole.min);
-    let size = Vec3::from(whole.max).as_dvec3() - origin.as_dvec3();
-    let exponents = size.to_array().map(step_exponent);
-    let step = DVec3::from_array(exponents.map(|e| f64::from(e - 127).exp2()));
+    let size = Vec3::from(whole.max);
+    let exponents: [i32; 3] = std::array::from_fn(|axis| step_exponent(difference(size[axis], origin[axis])));
     let mut planes = [[[0u8; 8]; 2]; 3];
     for (slot, child) in children.iter().enumerate() {
         let Some(child) = child else { continue };
-        let low = (Vec3::from(child.min).as_dvec3() - origin.as_dvec3()) / step;
-        let high = (Vec3::from(child.max).as_dvec3() - origin.as_dvec3()) / step;
         for axis in 0..3 {
-            planes[axis][0][slot] = low[axis].floor() as u8;
-            planes[axis][1][slot] = high[axis].ceil() as u8;
+            let step = f64::from(exponents[axis] - 127).exp2();
+            planes[axis][0][slot] = plane_below(difference(child.min[axis], origin[axis]), step);
+            planes[axis][1][slot] = plane_above(difference(child.max[axis], origin[axis]), step);
         }
     }
     let words = |bytes: [u8; 8]| bytemuck::cast::<[u8; 8], [[u8; 4]; 2]>(bytes).map(u32::from_le_bytes);
@@ -144,22 +154,44 @@ fn pack(
     }
 }
 
-/// The biased exponent of the least power of two of which 255 cover `size`.
-fn step_exponent(size: f64) -> i32 {
+/// a - b is the sum of both numbers without an error: the rounded difference, and what rounding took away (Knuth).
+fn difference(a: f32, b: f32) -> (f64, f64) {
+    let (a, b) = (f64::from(a), f64::from(b));
+    let rounded = a - b;
+    let b_seen = a - rounded;
+    let a_seen = rounded + b_seen;
+    (rounded, (a - a_seen) + (b_seen - b))
+}
+
+/// The last plane that is not above.
+fn plane_below((rounded, rest): (f64, f64), step: f64) -> u8 {
+    let plane = (rounded / step).floor();
+    let above = plane * step == rounded && rest < 0.0;
+    (plane - f64::from(u8::from(above))) as u8
+}
+
+/// The first plane that is not below.
+fn plane_above((rounded, rest): (f64, f64), step: f64) -> u8 {
+    let plane = (rounded / step).ceil();
+    let below = plane * step == rounded && rest > 0.0;
+    (plane + f64::from(u8::from(below))) as u8
+}
+
+/// The biased exponent of the least power of two of which 255 cover the size.
+fn step_exponent((rounded, rest): (f64, f64)) -> i32 {
     let least = *EXPONENTS.start();
-    if size <= 0.0 {
+    if rounded <= 0.0 {
         return least;
     }
-    let exponent = (size / 255.0).log2().ceil() as i32;
+    let exponent = (rounded / 255.0).log2().ceil() as i32;
     // The logarithm is rounded too.
-    let exponent = if f64::from(exponent).exp2() * 255.0 < size { exponent + 1 } else { exponent };
+    let covered = f64::from(exponent).exp2() * 255.0;
+    let exponent = if covered < rounded || (covered == rounded && rest > 0.0) { exponent + 1 } else { exponent };
     (exponent + 127).clamp(least, *EXPONENTS.end())
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3A;
-
     use super::*;
 
     #[test]
@@ -206,11 +238,21 @@ mod tests {
     #[test]
     fn steps_are_the_least_that_cover() {
         for size in [1e-30, 1e-3, 255.0, 255.0001, 256.0, 1e20] {
-            let step = f64::from(step_exponent(size) - 127).exp2();
+            let step = f64::from(step_exponent((size, 0.0)) - 127).exp2();
             assert!(step * 255.0 >= size && step * 127.5 < size, "{size}");
         }
-        assert_eq!(step_exponent(0.0), 1);
-        let flat = Aabb::from_point(Vec3A::ZERO);
-        assert_eq!(step_exponent(f64::from(flat.max.x - flat.min.x)), 1);
+        assert_eq!(step_exponent((0.0, 0.0)), 1);
+        assert_eq!([step_exponent((255.0, 0.0)), step_exponent((255.0, 1e-20))], [127, 128]);
+    }
+
+    #[test]
+    fn planes_go_by_exact_differences() {
+        // The difference rounds to 1; the least of what was rounded away decides.
+        assert_eq!(difference(1.0, -1e-20), (1.0, 1e-20f32.into()));
+        assert_eq!(plane_above(difference(1.0, -1e-20), 1.0), 2);
+        assert_eq!(plane_above(difference(1.0, 1e-20), 1.0), 1);
+        assert_eq!(plane_below(difference(1.0, 1e-20), 1.0), 0);
+        assert_eq!(plane_below(difference(1.0, -1e-20), 1.0), 1);
+        assert_eq!([plane_below((2.5, 0.0), 1.0), plane_above((2.5, 0.0), 1.0)], [2, 3]);
     }
 }
