@@ -321,6 +321,8 @@ fn not_finite(request: &Request) {
             tracer.update(&device, &after, &gpu_scene, &[0]).unwrap();
             probe.run(&tracer, &gpu_scene, ANY_MASK, false).unwrap();
             let found = probe.hits().unwrap();
+            let triangles = buffers(&tracer).swap_remove(1);
+            assert!(triangles.iter().all(|&word| f32::from_bits(word).is_finite()), "{}", backend.name());
             let missed: Vec<usize> = (0..40).filter(|&i| !is_hit(&found[i])).collect();
             assert_eq!(missed, [13], "{}", backend.name());
         }
