@@ -1,6 +1,10 @@
 //! Speed of every tracing back-end on every device: 960 x 720 primary and shadow rays at a water surface of 131,072
-//! triangles. `cargo bench --bench trace`; the table also goes to `target/bench/trace.json`.
+//! triangles; what following moving water costs; and how much slower rays are after it. `cargo bench --bench trace` does
+//! all, `-- --part speed`, `cost` or `quality` one; `--large` moves 2,097,152 triangles too. The tables also go to
+//! `target/bench/trace.json`.
 
+#[path = "trace/motion.rs"]
+mod motion;
 #[path = "report/mod.rs"]
 mod report;
 
@@ -18,6 +22,9 @@ const WIDTH: u32 = 960;
 const HEIGHT: u32 = 720;
 const QUADS: u32 = 256;
 const ANY_MASK: u32 = 0xff;
+
+/// Speed of tracing; cost of following what moves; speed after that.
+const PARTS: [&str; 3] = ["speed", "cost", "quality"];
 
 /// CPU seconds per measurement at least, far above the noise of starting one.
 const LEAST_CPU_SECONDS: f64 = 1.0;
@@ -45,6 +52,8 @@ struct Report {
     triangles: usize,
     rays: usize,
     rows: Vec<Row>,
+    motion_costs: Vec<motion::Cost>,
+    motion_quality: Vec<motion::Quality>,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -52,18 +61,69 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if std::env::args().any(|a| a == "--test") {
         return Ok(());
     }
+    let (parts, large) = options(std::env::args().skip(1))?;
     let scene = water();
     let primary = primary_rays();
-    let mut report = Report { triangles: scene.meshes[0].triangles.len(), rays: primary.len(), rows: Vec::new() };
+    let mut report = Report {
+        triangles: scene.meshes[0].triangles.len(),
+        rays: primary.len(),
+        rows: Vec::new(),
+        motion_costs: Vec::new(),
+        motion_quality: Vec::new(),
+    };
+    let devices = Device::list()?
+        .into_iter()
+        .map(|info| Device::open(&DeviceRequest { device: Some(info.index.to_string()), ..Default::default() }));
+    let devices = devices.collect::<Result<Vec<_>, _>>()?;
+    if parts.contains(&"speed") {
+        report.rows = tracing(&devices, &scene, &primary)?;
+    }
+    if parts.contains(&"cost") {
+        motion::cost_header();
+        for quads in [motion::QUADS, motion::MANY_QUADS].into_iter().take(if large { 2 } else { 1 }) {
+            for device in &devices {
+                report.motion_costs.extend(motion::costs(device, quads)?);
+            }
+        }
+    }
+    if parts.contains(&"quality") {
+        for device in &devices {
+            report.motion_quality.extend(motion::quality(device, &primary)?);
+        }
+    }
+    report::write("trace", serde_json::to_value(report)?)
+}
+
+/// The parts to be measured, and whether on a large mesh too.
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<(Vec<&'static str>, bool), String> {
+    let (mut parts, mut large) = (PARTS.to_vec(), false);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--bench" => {}
+            "--large" => large = true,
+            "--part" => {
+                let named = arguments.next().unwrap_or_default();
+                parts.retain(|part| *part == named);
+            }
+            other => return Err(format!("unknown argument {other}; allowed are: --part, --large")),
+        }
+    }
+    if parts.is_empty() {
+        return Err(format!("unknown part; allowed are: {}", PARTS.join(", ")));
+    }
+    Ok((parts, large))
+}
+
+fn tracing(devices: &[Device], scene: &Scene, primary: &[Ray]) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     println!(
         "{:<44} {:<10} {:>9} {:>9} {:>18} {:>18}",
         "device", "back-end", "build ms", "MiB", "primary M/CPU-s", "shadow M/CPU-s"
     );
-    for info in Device::list()? {
-        let device = Device::open(&DeviceRequest { device: Some(info.index.to_string()), ..Default::default() })?;
-        let gpu_scene = GpuScene::new(&device, &scene)?;
-        for backend in Backend::ALL.into_iter().filter(|b| b.available(&device)) {
-            let row = measure(&device, &scene, &gpu_scene, backend, &primary)?;
+    let mut rows = Vec::new();
+    for device in devices {
+        let gpu_scene = GpuScene::new(device, scene)?;
+        for backend in Backend::ALL.into_iter().filter(|b| b.available(device)) {
+            let row = measure(device, scene, &gpu_scene, backend, primary)?;
             println!(
                 "{:<44} {:<10} {:>9.1} {:>9.1} {:>18.2} {:>18.2}",
                 row.device,
@@ -73,10 +133,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 row.primary_per_cpu_second,
                 row.shadow_per_cpu_second
             );
-            report.rows.push(row);
+            rows.push(row);
         }
     }
-    report::write("trace", serde_json::to_value(report)?)
+    Ok(rows)
 }
 
 fn measure(
