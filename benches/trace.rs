@@ -1,6 +1,6 @@
 //! Speed of every tracing back-end on every device: 960 x 720 primary and shadow rays at a water surface of 131,072
 //! triangles; what following moving water costs; and how much slower rays are after it. `cargo bench --bench trace` does
-//! all, `-- --part speed`, `cost` or `quality` one; `--large` moves 2,097,152 triangles too. The tables also go to
+//! all, `-- --part speed`, `cost` or `quality` one; `--large` moves two million triangles too. The tables also go to
 //! `target/bench/trace.json`.
 
 #[path = "trace/motion.rs"]

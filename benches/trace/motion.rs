@@ -16,9 +16,10 @@ use nephroid::trace::{Backend, Following, Probe, Ray, Tracer};
 
 use crate::{ANY_MASK, shadow_rays};
 
-/// Quads along each side of the water: 131,072 triangles, and 2,097,152.
+/// Quads along each side of the water: 131,072 triangles, and two million, as many as a binary tree in a buffer of 128 MiB
+/// can have.
 pub const QUADS: u32 = 256;
-pub const MANY_QUADS: u32 = 1024;
+pub const MANY_QUADS: u32 = 1000;
 
 /// Frames that are gone to; the first, which makes kernels, is left out.
 const FRAMES: u32 = 11;
@@ -137,7 +138,8 @@ pub fn costs(device: &Device, quads: u32) -> Result<Vec<Cost>, Box<dyn Error>> {
                 least(&mut cost.passes, &times);
             }
             let still = scene.instances[instance].transform;
-            scene.instances[instance].transform = Affine3A::from_translation(Vec3::Y * 1e-3 * frame as f32) * still;
+            scene.instances[instance].transform =
+                Affine3A::from_translation(Vec3::Y * 1e-3 * (frame + 1) as f32) * still;
             gpu_scene.follow(&scene)?;
             let wall = Instant::now();
             tracer.update(device, &scene, &gpu_scene, &[])?;
