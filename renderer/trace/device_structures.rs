@@ -20,8 +20,8 @@ pub enum Following {
     /// The structure is built anew. It is as fast to trace as any, and its content cannot depend on earlier frames.
     #[default]
     Rebuild,
-    /// The driver fits the structure that was built first, for meshes that the scene's animation moves; it gets slower
-    /// to trace the farther vertices move.
+    /// The driver fits the structure that was built first, for meshes that the scene's animation moves; where it keeps
+    /// the topology, rays get slower the farther vertices move.
     Update,
 }
 
