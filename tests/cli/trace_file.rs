@@ -52,7 +52,7 @@ fn add_passes(sums: &mut BTreeMap<String, f64>, passes: &Value) {
 /// Every pass of the report is on the device's track, and takes as long there. The report leaves out what prepares a
 /// technique.
 fn assert_same_passes(events: &[&Value], report: &BTreeMap<String, f64>) {
-    assert!(report.len() > 3, "{report:?}");
+    assert!(report.len() >= 3, "{report:?}");
     let start = |event: &Value| event["ts"].as_f64().unwrap();
     let end = |event: &Value| start(event) + event["dur"].as_f64().unwrap();
     let preparing = |event: &&&Value| event["name"] == "make pipelines" || event["name"] == "restart technique";
@@ -75,10 +75,12 @@ fn assert_has(events: &[&Value], names: &[&str]) {
 #[test]
 fn a_still_and_a_sequence_leave_their_spans() {
     let folder = Folder::new();
-    // On every device: passes are timed by the host or by the device.
+    // On every device: passes are timed by the host or by the device. One is asked for a technique's too; making its
+    // pipelines takes some drivers ten seconds.
     for device in 0..folder.device_names().len() {
+        let technique = if device == 0 { "mnee" } else { "none" };
         let options = format!(
-            "--technique mnee --trace bvh --samples 3 --device {device} --stats s.json --trace-file t.json --quiet"
+            "--technique {technique} --trace bvh --samples 3 --device {device} --stats s.json --trace-file t.json --quiet"
         );
         folder.run(&format!("render scene.toml -o a.png {options}"));
         let (file, stats) = (read(&folder, "t.json"), read(&folder, "s.json"));
