@@ -20,9 +20,12 @@ fn events(file: &Value) -> Vec<&Value> {
     file["traceEvents"].as_array().unwrap().iter().filter(|event| event["ph"] == "X").collect()
 }
 
+/// Begin, end, name.
+type Span<'a> = (f64, f64, &'a str);
+
 /// Every span ends inside of the one that is open when it begins.
 fn assert_nested(events: &[&Value]) {
-    let mut tracks: BTreeMap<(u64, u64), Vec<(f64, f64, &str)>> = BTreeMap::new();
+    let mut tracks: BTreeMap<(u64, u64), Vec<Span>> = BTreeMap::new();
     for event in events {
         let number = |field: &str| event[field].as_f64().unwrap();
         let track = (event["pid"].as_u64().unwrap(), event["tid"].as_u64().unwrap());
@@ -31,7 +34,7 @@ fn assert_nested(events: &[&Value]) {
     }
     for spans in tracks.values_mut() {
         spans.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
-        let mut open: Vec<(f64, f64, &str)> = Vec::new();
+        let mut open: Vec<Span> = Vec::new();
         for &span in spans.iter() {
             while open.last().is_some_and(|outer| outer.1 <= span.0 + ROUNDING) {
                 open.pop();
