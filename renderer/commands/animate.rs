@@ -25,7 +25,7 @@ use super::trace_file::TraceFile;
 use crate::gpu::Device;
 use crate::image::{Format, ImageError, atomic};
 use crate::render::{Picture, RenderError, RenderSettings, Renderer};
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, FilmSettings, Scene, SceneError};
 use crate::spans;
 use crate::trace::{Backend, TraceChoice};
 use cost::{SequenceStats, Split, Watch};
@@ -96,7 +96,8 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
         (done, device) = row.render(scene, &settings, shard, &todo, &kept, &mut stats)?;
     }
 
-    let stopped = done < todo.len();
+    // Ctrl-C during the last frame is meant for the video.
+    let mut stopped = done < todo.len() || video.is_some() && interrupt::came();
     let mut written: Vec<PathBuf> = Vec::new();
     if let Some(path) = &common.stats {
         stats.finish(start.elapsed().as_secs_f64());
@@ -104,24 +105,21 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
         written.push(path.clone());
     }
     if let (Some(video), false) = (&video, stopped) {
-        let all: Vec<u32> = args.frames.of(Shard::WHOLE).collect();
-        let missing = if shard == Shard::WHOLE { 0 } else { missing(&outputs, &all, &request) };
-        if missing == 0 {
-            video.make(video_source(&outputs), all.into_iter(), fps, &film)?;
-            written.push(video.path().to_owned());
-        } else {
-            teller.tell(format_args!("No video yet: {missing} frames of other shards are not there"));
-        }
+        let made = make_video(video, args, &outputs, &request, (fps, &film), &teller);
+        // A terminal sends Ctrl-C to ffmpeg too.
+        stopped = matches!(made, Err(VideoError::Ffmpeg { .. })) && interrupt::came();
+        written.extend(if stopped { None } else { made? });
     }
     if let Some(file) = trace_file {
         let name = device.as_ref().map_or("none was needed", |device: &Device| device.info.name.as_str());
         written.push(file.write(name)?);
     }
     if stopped {
-        let (left, all) = (todo.len() - done, mine.len());
-        teller.tell(format_args!(
-            "Stopped by Ctrl-C: {left} of {all} frames are left; the same command with --resume goes on"
-        ));
+        let left = match todo.len() - done {
+            0 => "the video is left".to_owned(),
+            frames => format!("{frames} of {} frames are left", mine.len()),
+        };
+        teller.tell(format_args!("Stopped by Ctrl-C: {left}; the same command with --resume goes on"));
     }
     teller.tell(format_args!("Time    {:.1} s for {done} frames", start.elapsed().as_secs_f64()));
     if done > 0 {
@@ -130,6 +128,32 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     written.iter().for_each(|path| teller.tell_file(path));
     device.as_ref().map_or(Ok(()), output::refuse_validation_messages)?;
     Ok(if stopped { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
+}
+
+/// Makes the video if all frames are there, and returns its place. Without shards they are.
+fn make_video(
+    video: &Video,
+    args: &AnimateArgs,
+    outputs: &[(Pattern, Format)],
+    request: &Request,
+    (fps, film): (f64, &FilmSettings),
+    teller: &Teller,
+) -> Result<Option<PathBuf>, VideoError> {
+    let all: Vec<u32> = args.frames.of(Shard::WHOLE).collect();
+    if args.shard.is_some() {
+        let states = resume::look(outputs, &all, request);
+        let missing = states.iter().filter(|state| !matches!(state, State::Kept(_))).count();
+        if missing > 0 {
+            teller.tell(format_args!("No video yet: {missing} frames of other shards are not there"));
+            return Ok(None);
+        }
+    }
+    // A PNG need not be tone-mapped again.
+    let png = outputs.iter().find(|(_, format)| *format == Format::Png);
+    if let Some(source) = png.or(outputs.first()) {
+        video.make(source, all.into_iter(), fps, film)?;
+    }
+    Ok(Some(video.path().to_owned()))
 }
 
 fn outputs(patterns: &[Pattern]) -> Result<Vec<(Pattern, Format)>, ImageError> {
@@ -203,16 +227,6 @@ fn adopt_backend(settings: &mut RenderSettings, kept: &[(u32, State)]) {
             Some(Backend::RayQuery) | None => {}
         }
     }
-}
-
-/// Frames whose files are not all there.
-fn missing(outputs: &[(Pattern, Format)], frames: &[u32], request: &Request) -> usize {
-    resume::look(outputs, frames, request).iter().filter(|state| !matches!(state, State::Kept(_))).count()
-}
-
-/// PNG where there is one: it need not be tone-mapped again.
-fn video_source(outputs: &[(Pattern, Format)]) -> &(Pattern, Format) {
-    outputs.iter().find(|(_, format)| *format == Format::Png).unwrap_or(&outputs[0])
 }
 
 /// What rendering a row of frames goes by.

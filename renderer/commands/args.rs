@@ -13,6 +13,7 @@ use crate::trace::TraceChoice;
 
 const MOST_SAMPLES: i64 = 1_000_000;
 
+// A doc comment here would become the description of every command that takes these.
 #[derive(Debug, Clone, Args)]
 pub struct PictureArgs {
     /// The scene file (.toml)

@@ -135,6 +135,13 @@ fn frames_of_other_settings_are_made_again() {
             "{options}"
         );
     }
+    // They are kept, and the user is told.
+    fs::remove_file(folder.at("f_1.png")).unwrap();
+    let options = "animate scene.toml --frames 0..1 --technique none --trace bvh2 -o f_%d.png --resume --fps 12";
+    let said = folder.run(options);
+    assert!(said.stdout.starts_with("Resume  1 of 2 frames are there, 1 missing\n"), "{}", said.stdout);
+    assert!(said.stderr.starts_with("nephroid: warning: 1 of the frames that are kept come from "), "{}", said.stderr);
+
     let scene = fs::read_to_string(folder.at("scene.toml")).unwrap();
     fs::write(folder.at("scene.toml"), scene.replace("intensity = 10", "intensity = 11")).unwrap();
     assert_eq!(resume("--fps 12"), again);

@@ -11,15 +11,15 @@ use crate::commands::args::{PictureArgs, long_help};
 const EXAMPLES: &str = "\
 Examples:
   Two seconds of the pool, as pictures and as a video (which needs ffmpeg):
-    nephroid animate scenes/pool.toml --frames 0..47 -o frames/pool_%04d.png --video pool.mp4
-  The same after an interruption: only what is missing, damaged or of other settings is rendered:
-    nephroid animate scenes/pool.toml --frames 0..47 -o frames/pool_%04d.png --video pool.mp4 --resume
+    nephroid animate scenes/pool.toml --frames 0..47 -o out/pool_%04d.png --video pool.mp4
+  After an interruption, only what is missing, damaged or of other settings:
+    nephroid animate scenes/pool.toml --frames 0..47 -o out/pool_%04d.png --resume
   Every third frame from the second, as one of three machines that share a folder:
-    nephroid animate scenes/pool.toml --frames 0..47 -o frames/pool_%04d.png --shard 2/3
+    nephroid animate scenes/pool.toml --frames 0..47 -o out/pool_%04d.png --shard 2/3
 
-A frame depends on its number, the scene and the seed alone, so it is the same whether it is rendered alone, in its row or
-by a shard. Folders that do not exist are made. Ctrl-C ends the sequence after the current frame; a second one ends it at
-once.";
+A frame depends on its number, the scene and the seed alone: it is the same whether it is
+rendered alone, in its row or by a shard. Folders that do not exist are made. Ctrl-C ends the
+sequence after the current frame; a second one ends it at once.";
 
 const MOST_FPS: f64 = 10_000.0;
 const LEAST_FPS: f64 = 0.001;
@@ -28,10 +28,8 @@ const LEAST_FPS: f64 = 0.001;
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES, after_long_help = long_help(EXAMPLES))]
 pub struct AnimateArgs {
-    #[command(flatten)]
-    pub picture: PictureArgs,
     /// The first and the last frame, both included: 0..47 is 48 frames; or one frame
-    #[arg(long, value_name = "A..B", required = true, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Frames,
     /// The files to write, with %d or, with leading zeros, %04d for the frame's number; give it again for more: .exr
     /// holds all layers in linear light, .png the picture for display
@@ -49,6 +47,8 @@ pub struct AnimateArgs {
     /// Make a video of the frames when all are there; needs ffmpeg
     #[arg(long, value_name = "MP4")]
     pub video: Option<PathBuf>,
+    #[command(flatten)]
+    pub picture: PictureArgs,
 }
 
 fn fps(text: &str) -> Result<f64, String> {

@@ -21,14 +21,14 @@ Ctrl-C ends a rendering after the current sample and writes the picture as it is
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES, after_long_help = long_help(EXAMPLES))]
 pub struct RenderArgs {
-    #[command(flatten)]
-    pub picture: PictureArgs,
     /// A file to write; give it again for more: .exr holds all layers in linear light, .png the picture for display
     #[arg(short, long, value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
     /// The frame of the scene's animation to render
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub frame: u32,
+    #[command(flatten)]
+    pub picture: PictureArgs,
     /// Start over with the changed kernels whenever a GLSL file in FOLDER changes [default: where they were built from]
     #[cfg(feature = "hot-reload")]
     #[arg(long, value_name = "FOLDER", num_args = 0..=1, require_equals = true)]
