@@ -114,20 +114,23 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
         let name = device.as_ref().map_or("none was needed", |device: &Device| device.info.name.as_str());
         written.push(file.write(name)?);
     }
-    if stopped {
-        let left = match todo.len() - done {
-            0 => "the video is left".to_owned(),
-            frames => format!("{frames} of {} frames are left", mine.len()),
-        };
-        teller.tell(format_args!("Stopped by Ctrl-C: {left}; the same command with --resume goes on"));
-    }
-    teller.tell(format_args!("Time    {:.1} s for {done} frames", start.elapsed().as_secs_f64()));
+    tell_end(&teller, start, (todo.len() - done, done, mine.len()), stopped);
     if done > 0 {
         outputs.iter().for_each(|(pattern, _)| teller.tell(format_args!("Wrote   {}", pattern.absolute())));
     }
     written.iter().for_each(|path| teller.tell_file(path));
     device.as_ref().map_or(Ok(()), output::refuse_validation_messages)?;
     Ok(if stopped { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
+}
+
+/// Says how it ended; `frames`: left, rendered, and all of this shard.
+fn tell_end(teller: &Teller, start: Instant, frames: (usize, usize, usize), stopped: bool) {
+    let (left, done, all) = frames;
+    if stopped {
+        let left = if left == 0 { "the video is left".to_owned() } else { format!("{left} of {all} frames are left") };
+        teller.tell(format_args!("Stopped by Ctrl-C: {left}; the same command with --resume goes on"));
+    }
+    teller.tell(format_args!("Time    {:.1} s for {done} frames", start.elapsed().as_secs_f64()));
 }
 
 /// Makes the video if all frames are there, and returns its place. Without shards they are.
