@@ -32,7 +32,7 @@ use cost::{SequenceStats, Split, Watch};
 use pattern::Pattern;
 use progress::Display;
 use resume::{Maker, State};
-use sequence::Shard;
+use sequence::{Frames, Shard};
 use video::{Video, VideoError};
 
 /// Why a sequence was not rendered.
@@ -48,6 +48,8 @@ pub enum AnimateError {
     Video(#[from] VideoError),
     #[error(transparent)]
     Validation(#[from] ValidationError),
+    #[error("{scene} does not say how many frames it has; say which to render by --frames, such as --frames 0..47")]
+    Frames { scene: PathBuf },
     #[error("the folder {path} cannot be made: {reason}")]
     Folder { path: PathBuf, reason: String },
 }
@@ -68,16 +70,17 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     }
 
     let span = spans::span("load scene");
-    let mut scene = scene::load(&common.scene)?;
+    let mut scene = scene::load_at(&common.scene, args.fps)?;
     drop(span);
-    scene.animation.fps = args.fps.unwrap_or(scene.animation.fps);
+    let own = scene.animation.frames.map(|frames| Frames { first: 0, last: frames - 1 });
+    let frames = args.frames.or(own).ok_or_else(|| AnimateError::Frames { scene: common.scene.clone() })?;
     let mut teller = Teller::new(common.quiet);
     teller.warn(&scene.warnings);
     let mut settings = common.settings(0);
     let request = Request::new(&mut scene, &settings)?;
 
     let shard = args.shard.unwrap_or(Shard::WHOLE);
-    let mine: Vec<u32> = args.frames.of(shard).collect();
+    let mine: Vec<u32> = frames.of(shard).collect();
     check_places(&outputs, &mine)?;
     remove_stale(&outputs, &mine, video.as_ref().filter(|_| shard == Shard::WHOLE))?;
     let found = if args.resume { look(&outputs, &mine, &request, &teller) } else { vec![State::Missing; mine.len()] };
@@ -86,7 +89,7 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     adopt_backend(&mut settings, &kept);
 
     let (fps, film) = (scene.animation.fps, scene.film.clone());
-    let mut stats = SequenceStats::new(args.frames, fps, shard, kept.iter().map(|(frame, _)| *frame).collect());
+    let mut stats = SequenceStats::new(frames, fps, shard, kept.iter().map(|(frame, _)| *frame).collect());
     let mut row =
         Row { args, outputs: &outputs, request: &request, teller: &mut teller, trace_file: trace_file.as_mut() };
     let todo: Vec<u32> = todo.into_iter().map(|(frame, _)| frame).collect();
@@ -105,7 +108,7 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
         written.push(path.clone());
     }
     if let (Some(video), false) = (&video, stopped) {
-        let made = make_video(video, args, &outputs, &request, (fps, &film), &teller);
+        let made = make_video(video, (frames, shard), &outputs, &request, (fps, &film), &teller);
         // A terminal sends Ctrl-C to ffmpeg too.
         stopped = matches!(made, Err(VideoError::Ffmpeg { .. })) && interrupt::came();
         written.extend(if stopped { None } else { made? });
@@ -136,14 +139,14 @@ fn tell_end(teller: &Teller, start: Instant, frames: (usize, usize, usize), stop
 /// Makes the video if all frames are there, and returns its place. Without shards they are.
 fn make_video(
     video: &Video,
-    args: &AnimateArgs,
+    (frames, shard): (Frames, Shard),
     outputs: &[(Pattern, Format)],
     request: &Request,
     (fps, film): (f64, &FilmSettings),
     teller: &Teller,
 ) -> Result<Option<PathBuf>, VideoError> {
-    let all: Vec<u32> = args.frames.of(Shard::WHOLE).collect();
-    if args.shard.is_some() {
+    let all: Vec<u32> = frames.of(Shard::WHOLE).collect();
+    if shard != Shard::WHOLE {
         let states = resume::look(outputs, &all, request);
         let missing = states.iter().filter(|state| !matches!(state, State::Kept(_))).count();
         if missing > 0 {

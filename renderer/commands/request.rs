@@ -26,11 +26,12 @@ impl Request {
     pub fn new(scene: &mut Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut hash = Fnv::new();
         // The large parts go in as bytes. All else goes in as its debug text, which leaves out nothing that a scene may get
-        // in future; where the file lies and what was mended is no part of the picture.
+        // in future; where the file lies, what was mended and how many frames there are is no part of a picture.
         let (path, warnings) = (take(&mut scene.path), take(&mut scene.warnings));
         let (meshes, textures, film) = (take(&mut scene.meshes), take(&mut scene.textures), scene.film.clone());
         (scene.film.width, scene.film.height) = settings.size.unwrap_or((film.width, film.height));
         scene.film.samples = settings.samples.unwrap_or(film.samples);
+        let frames = take(&mut scene.animation.frames);
         hash.text(format_args!("{SOFTWARE} {scene:?}"));
         for mesh in &meshes {
             hash.part(bytemuck::cast_slice(&mesh.positions));
@@ -44,6 +45,7 @@ impl Request {
         }
         (scene.path, scene.warnings, scene.meshes, scene.textures, scene.film) =
             (path, warnings, meshes, textures, film);
+        scene.animation.frames = frames;
 
         let first = scene.cameras.first().map(|camera| camera.name.clone());
         let camera = settings.camera.clone().or(first).unwrap_or_default();

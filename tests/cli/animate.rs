@@ -59,6 +59,25 @@ fn shards_and_stills_are_the_frames_of_one_run() {
 }
 
 #[test]
+fn a_scene_says_how_many_frames_it_has() {
+    let folder = moving();
+    let command = format!("animate scene.toml {NONE} -o f_%d.png");
+    let stderr = folder.refused(folder.command(command.split_whitespace()), 1);
+    let sentence =
+        "scene.toml does not say how many frames it has; say which to render by --frames, such as --frames 0..47";
+    assert_eq!(stderr, format!("nephroid: {sentence}\n"));
+    let scene = fs::read_to_string(folder.at("scene.toml")).unwrap();
+    for frames in [2, 3] {
+        fs::write(folder.at("scene.toml"), format!("{scene}\n[animation]\nframes = {frames}\n")).unwrap();
+        let said = folder.run(&format!("{} --resume", command.replace(" --quiet", ""))).stdout;
+        // A longer animation has the frames that a shorter one had.
+        let wanted =
+            if frames == 2 { "0 of 2 frames are there, 2 missing" } else { "2 of 3 frames are there, 1 missing" };
+        assert!(said.starts_with(&format!("Resume  {wanted}\n")), "{said}");
+    }
+}
+
+#[test]
 fn fps_says_which_time_a_frame_shows() {
     let folder = moving();
     folder.run(&format!("animate scene.toml --frames 6 --fps 48 {NONE} -o fast_%d.exr"));
@@ -273,7 +292,7 @@ fn wrong_usage_is_refused() {
         );
     }
     for fps in ["0", "-1", "nan", "many"] {
-        let message = format!("invalid value '{fps}' for '--fps <N>': allowed are numbers from 0.001 to 10000");
+        let message = format!("invalid value '{fps}' for '--fps <N>': allowed are numbers from 0.01 to 1000");
         misused(&format!("-o %d.png --frames 0..1 --fps {fps}"), &message);
     }
 }

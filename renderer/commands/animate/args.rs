@@ -7,6 +7,7 @@ use clap::Args;
 use super::pattern::Pattern;
 use super::sequence::{Frames, Shard};
 use crate::commands::args::{PictureArgs, long_help};
+use crate::scene::FPS;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,16 +22,13 @@ A frame depends on its number, the scene and the seed alone: it is the same whet
 rendered alone, in its row or by a shard. Folders that do not exist are made. Ctrl-C ends the
 sequence after the current frame; a second one ends it at once.";
 
-const MOST_FPS: f64 = 10_000.0;
-const LEAST_FPS: f64 = 0.001;
-
 /// Render frames of a scene's animation to numbered picture files
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES, after_long_help = long_help(EXAMPLES))]
 pub struct AnimateArgs {
-    /// The first and the last frame, both included: 0..47 is 48 frames; or one frame
+    /// The first and the last frame, both included: 0..47 is 48 frames; or one frame [default: the scene's]
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    pub frames: Frames,
+    pub frames: Option<Frames>,
     /// The files to write, with %d or, with leading zeros, %04d for the frame's number; give it again for more: .exr
     /// holds all layers in linear light, .png the picture for display
     #[arg(short, long, value_name = "PATTERN", required = true)]
@@ -52,6 +50,6 @@ pub struct AnimateArgs {
 }
 
 fn fps(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|fps| (LEAST_FPS..=MOST_FPS).contains(fps));
-    found.ok_or_else(|| format!("allowed are numbers from {LEAST_FPS} to {MOST_FPS}"))
+    let found = text.parse().ok().filter(|fps| FPS.contains(fps));
+    found.ok_or_else(|| format!("allowed are numbers from {} to {}", FPS.start(), FPS.end()))
 }
