@@ -15,6 +15,7 @@ pub mod layouts;
 pub mod random;
 pub mod render;
 pub mod scene;
+pub mod spans;
 pub mod stats;
 pub mod technique;
 pub mod trace;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use nephroid::commands::{compare, devices, render, shell};
+use nephroid::commands::{animate, compare, devices, render, shell};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -26,6 +26,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Animate(Box<animate::AnimateArgs>),
     Compare(compare::CompareArgs),
     Devices(devices::DevicesArgs),
     Completions(shell::CompletionsArgs),
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
     match command {
         Command::Render(args) => return Ok(render::run(&args)?),
+        Command::Animate(args) => return Ok(animate::run(&args)?),
         Command::Compare(args) => compare::run(&args)?,
         Command::Devices(args) => devices::run(&args)?,
         Command::Completions(args) => shell::completions(&args, Cli::command())?,

@@ -10,6 +10,7 @@ use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::image::{LayeredImage, RenderInfo};
 use crate::scene::{Camera, Scene};
+use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
 use crate::technique::{self, Context, CounterEntry, LedgerEntry, Settings, Technique, TechniqueError, TechniqueKind};
 use crate::trace::{self, TraceChoice, TraceError, Tracer};
@@ -112,7 +113,10 @@ impl Renderer {
     /// Opens the device, uploads the scene and makes every pipeline.
     pub fn new(scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         Self::check(&scene, settings)?;
-        Self::with_device(Device::open(&settings.device)?, scene, settings)
+        let span = spans::span("open device");
+        let device = Device::open(&settings.device)?;
+        drop(span);
+        Self::with_device(device, scene, settings)
     }
 
     /// Fails for settings that no device could render.
@@ -137,12 +141,17 @@ impl Renderer {
         let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
         let samples = settings.samples.unwrap_or(scene.film.samples);
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
+        let span = spans::span("upload scene");
         let mut gpu_scene = GpuScene::new(&device, &scene)?;
+        drop(span);
         let mut animator = Animator::new(&device, &scene, &gpu_scene)?;
         // Built at time 0 whatever the frame, so that a frame has the same structures however it is come to.
+        let span = spans::span("build tracing structures");
         let (mut tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
+        drop(span);
         let mut passes = Vec::new();
         if scene.animation.moves() {
+            let _span = spans::span("animate");
             let moved = animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?;
             stats::add_times(&mut passes, &moved.times);
             stats::add_times(&mut passes, &tracer.update(&device, &scene, &gpu_scene, &moved.meshes)?);
@@ -181,6 +190,7 @@ impl Renderer {
         for (BandState { frame, technique, .. }, view) in bands.iter_mut().zip(&views) {
             frame.restart(device, gpu_scene, tracer, view)?;
             if let Some(technique) = technique {
+                let _span = spans::span("restart technique");
                 technique.restart(&Context { device, scene, tracer, frame, seed: *seed })?;
             }
         }
@@ -192,8 +202,11 @@ impl Renderer {
         self.frame = frame;
         self.passes.clear();
         if self.scene.animation.moves() {
+            let span = spans::span("animate");
             let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
             stats::add_times(&mut self.passes, &moved.times);
+            drop(span);
+            let _span = spans::span("refit");
             let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
             stats::add_times(&mut self.passes, &times);
             if self.own_camera {
@@ -245,6 +258,7 @@ impl Renderer {
 
     /// The bands anew, without samples.
     fn make_bands(&mut self) -> Result<(), GpuError> {
+        let _span = spans::span("make pipelines");
         self.bands.clear();
         self.done = 0;
         for band in bands(self.size, self.device.info.limits.storage_range) {
@@ -297,12 +311,15 @@ impl Renderer {
 
     /// Renders one more sample of every pixel, and waits for it.
     pub fn sample(&mut self) -> Result<Progress, RenderError> {
+        let _span = spans::span_of("sample", || self.done.to_string());
         for band in &mut self.bands {
+            let span = spans::span("record");
             let mut recorder = Recorder::new(&self.device)?;
             band.frame.record(&mut recorder, self.done)?;
             if let Some(technique) = &mut band.technique {
                 technique.record(&band.frame, &mut recorder, self.done)?;
             }
+            drop(span);
             stats::add_times(&mut self.passes, &recorder.submit()?);
         }
         self.done += 1;
@@ -319,6 +336,7 @@ impl Renderer {
 
     /// The picture of the samples so far.
     pub fn finish(&self) -> Result<Picture, RenderError> {
+        let _span = spans::span("read back");
         let read = |band: &BandState| band.frame.film.read(&band.frame.sample_counts(self.done));
         let rows = self.bands.iter().map(read).collect::<Result<Vec<FilmRows>, _>>()?;
         let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
@@ -328,7 +346,9 @@ impl Renderer {
             camera: self.camera.name.clone(),
             samples: self.done,
             seed: self.seed.into(),
+            frame: self.frame,
             device: self.device.info.describe(),
+            tier: self.tier(),
         }
         .attributes();
         Ok(Picture { image, stats: self.stats()? })

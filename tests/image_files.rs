@@ -1,6 +1,7 @@
 //! Picture files: what is written is read back to the bit, foreign EXR files open, a failed write
 //! leaves the folder as it was.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -42,7 +43,9 @@ fn render_info() -> RenderInfo {
         camera: "under".to_owned(),
         samples: 64,
         seed: 7,
+        frame: 3,
         device: "llvmpipe (LLVM 15, 256 bits)".to_owned(),
+        tier: "cwbvh tracing, raster visibility".to_owned(),
     }
 }
 
@@ -121,6 +124,48 @@ fn exr_keeps_every_layer_to_the_bit() {
     assert_eq!(found.attributes, attributes);
     assert_eq!(attributes["nephroid.scene"], "scenes/pöol.toml");
     assert_eq!(entries(folder.path()), ["picture.exr"]);
+}
+
+#[test]
+fn equal_pictures_are_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = |name: &str, attributes: &BTreeMap<String, String>| {
+        let (exr, png) = (folder.path().join(format!("{name}.exr")), folder.path().join(format!("{name}.png")));
+        openexr::write(&exr, &LayeredImage { attributes: attributes.clone(), ..rendered() }).unwrap();
+        png::write_with(&png, 2, 1, &[[1, 2, 3], [4, 5, 6]], attributes).unwrap();
+        (fs::read(exr).unwrap(), fs::read(png).unwrap())
+    };
+    // Ten attributes in an order left to chance agree once in millions of times.
+    let mut attributes = render_info().attributes();
+    attributes.insert("another".to_owned(), "one".to_owned());
+    let first = written("first", &attributes);
+    assert!(first == written("second", &attributes), "files differ");
+    let exr = read(&folder.path().join("first.exr")).unwrap();
+    assert_eq!(exr.attributes["another"], "one");
+    let display = png::read_display(&folder.path().join("first.png")).unwrap();
+    assert_eq!((display.width, display.height, &display.pixels[..]), (2, 1, &[[1, 2, 3], [4, 5, 6]][..]));
+    attributes.insert("Software".to_owned(), SOFTWARE.to_owned());
+    assert_eq!(display.attributes, attributes);
+}
+
+#[test]
+fn files_cut_short_anywhere_are_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (exr, png) = (folder.path().join("a.exr"), folder.path().join("a.png"));
+    openexr::write(&exr, &rendered()).unwrap();
+    let pixels: Vec<[u8; 3]> = (0..WIDTH * HEIGHT).map(|i| [(i % 251) as u8, (i / 7) as u8, 9]).collect();
+    png::write_with(&png, WIDTH, HEIGHT, &pixels, &render_info().attributes()).unwrap();
+    for (path, whole) in [(&exr, fs::read(&exr).unwrap()), (&png, fs::read(&png).unwrap())] {
+        let good = || match Format::of(path).unwrap() {
+            Format::Exr => openexr::read(path).is_ok(),
+            Format::Png => png::read_display(path).is_ok(),
+        };
+        assert!(good());
+        for length in (0..whole.len()).step_by(997).chain([whole.len() - 1]) {
+            fs::write(path, &whole[..length]).unwrap();
+            assert!(!good(), "{} of {} bytes of {path:?} pass for a picture", length, whole.len());
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,13 @@
-//! The subcommands of the binary, one file each.
+//! The subcommands of the binary, one file each, and what several of them share.
 
+pub mod animate;
+pub mod args;
 pub mod compare;
 pub mod devices;
+mod interrupt;
+mod output;
+mod progress;
 pub mod render;
+mod request;
 pub mod shell;
+mod trace_file;

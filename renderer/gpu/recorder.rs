@@ -9,6 +9,7 @@ use ash::vk;
 use super::descriptors::DescriptorPools;
 use super::error::Call;
 use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
+use crate::spans::{self, Mark};
 
 /// Passes that one command buffer can time; further ones are run and not timed.
 const MAX_TIMED_PASSES: u32 = 4096;
@@ -130,18 +131,18 @@ impl Recorder {
 
     /// Runs what was recorded and waits for it. The times are in the order of the passes.
     pub fn submit(mut self) -> Result<Vec<PassTime>, GpuError> {
-        let started = Instant::now();
+        let (started, mark) = (Instant::now(), spans::mark());
         self.execute()?;
         let mut times = std::mem::take(&mut self.times);
-        times.extend(self.read_times(started)?);
+        times.extend(self.read_times(started, mark)?);
         Ok(times)
     }
 
     /// Runs the one pass recorded so far and starts over.
     fn flush(&mut self) -> Result<(), GpuError> {
-        let started = Instant::now();
+        let (started, mark) = (Instant::now(), spans::mark());
         self.execute()?;
-        let times = self.read_times(started)?;
+        let times = self.read_times(started, mark)?;
         self.times.extend(times);
         self.passes.clear();
         self.held.clear();
@@ -153,6 +154,7 @@ impl Recorder {
     }
 
     fn execute(&mut self) -> Result<(), GpuError> {
+        let _span = spans::span_of("submit and wait", || self.describe());
         self.barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
         let raw = self.device.raw.clone();
         // SAFETY: the command buffer is complete, and everything it uses is held by `self.held`.
@@ -224,10 +226,14 @@ impl Recorder {
         }
     }
 
-    fn read_times(&self, started: Instant) -> Result<Vec<PassTime>, GpuError> {
+    /// `mark`: when the submission was made, where spans are kept.
+    fn read_times(&self, started: Instant, mark: Option<Mark>) -> Result<Vec<PassTime>, GpuError> {
         if self.device.quirks.submit_each_pass {
             let elapsed = started.elapsed().as_secs_f64() * 1e3;
             let milliseconds = self.device.has(Capability::Timestamps).then_some(elapsed);
+            if let (Some(mark), Some(milliseconds), [name]) = (mark, milliseconds, self.passes.as_slice()) {
+                spans::pass_alone(name, mark, milliseconds);
+            }
             return Ok(self.passes.iter().map(|name| PassTime { name: name.clone(), milliseconds }).collect());
         }
         let timed = (self.passes.len() as u32).min(MAX_TIMED_PASSES);
@@ -243,12 +249,15 @@ impl Recorder {
             let (start, end) = (ticks.get(2 * index)?, ticks.get(2 * index + 1)?);
             self.queries.map(|_| end.saturating_sub(*start) as f64 * period)
         };
-        Ok(self
-            .passes
-            .iter()
-            .enumerate()
+        let times: Vec<PassTime> = (self.passes.iter().enumerate())
             .map(|(i, name)| PassTime { name: name.clone(), milliseconds: time(i) })
-            .collect())
+            .collect();
+        if let (Some(mark), Some(&first)) = (mark, ticks.first()) {
+            let begin = |i: usize| Some(ticks.get(2 * i)?.saturating_sub(first) as f64 * period);
+            let timed = times.iter().enumerate();
+            spans::passes(mark, timed.filter_map(|(i, pass)| Some((pass.name.clone(), begin(i)?, pass.milliseconds?))));
+        }
+        Ok(times)
     }
 }
 

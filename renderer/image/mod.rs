@@ -163,8 +163,12 @@ pub struct RenderInfo {
     /// Samples a pixel.
     pub samples: u32,
     pub seed: u64,
+    /// Of the scene's animation.
+    pub frame: u32,
     /// The Vulkan device's name.
     pub device: String,
+    /// What its capabilities led to, in words.
+    pub tier: String,
 }
 
 impl RenderInfo {
@@ -176,7 +180,9 @@ impl RenderInfo {
             ("nephroid.camera", self.camera.clone()),
             ("nephroid.samples", self.samples.to_string()),
             ("nephroid.seed", self.seed.to_string()),
+            ("nephroid.frame", self.frame.to_string()),
             ("nephroid.device", self.device.clone()),
+            ("nephroid.tier", self.tier.clone()),
         ]
         .map(|(name, value)| (name.to_owned(), value))
         .into()

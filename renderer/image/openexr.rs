@@ -4,6 +4,7 @@
 //! `depth.Z` and so on. 32-bit float, ZIP over 16 lines, lossless.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::Cursor;
 use std::path::Path;
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image};
@@ -103,8 +104,35 @@ pub fn write(path: &Path, image: &LayeredImage) -> Result<(), ImageError> {
         for (name, value) in image.attributes.iter().filter(|(name, _)| *name != "software") {
             file.attributes.other.insert(text(name), AttributeValue::Text(text(value)));
         }
-        file.write().non_parallel().to_buffered(output).map_err(|error| error.to_string())
+        let mut bytes = Cursor::new(Vec::new());
+        file.write().non_parallel().to_buffered(&mut bytes).map_err(|error| error.to_string())?;
+        let mut bytes = bytes.into_inner();
+        sort_attributes(&mut bytes);
+        output.write_all(&bytes).map_err(|error| error.to_string())
     })
+}
+
+/// Puts the attributes of a file's only header in the order of their names: the encoder's own differs from run to run, and
+/// equal pictures should be equal files. Nothing else moves.
+fn sort_attributes(file: &mut [u8]) {
+    /// Magic number and version.
+    const START: usize = 8;
+    let text_end = |from: usize| Some(from + file.get(from..)?.iter().position(|byte| *byte == 0)? + 1);
+    let mut attributes = Vec::new();
+    let mut at = START;
+    while file.get(at).is_some_and(|byte| *byte != 0) {
+        // Name and type, each with a zero after it, the value's length, the value.
+        let Some(size_at) = text_end(at).and_then(text_end) else { return };
+        let Some(size) = file.get(size_at..).and_then(|bytes| bytes.first_chunk()) else { return };
+        let end = size_at + 4 + u32::from_le_bytes(*size) as usize;
+        let Some(attribute) = file.get(at..end) else { return };
+        attributes.push(attribute.to_vec());
+        at = end;
+    }
+    attributes.sort();
+    if let Some(header) = file.get_mut(START..at) {
+        header.copy_from_slice(&attributes.concat());
+    }
 }
 
 /// Checks what the encoder would otherwise panic at.

@@ -1,11 +1,32 @@
 //! PNG and JPEG in, PNG out: sRGB in the file, linear light in memory.
 
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
-use ::image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader};
+use ::image::{DynamicImage, ImageReader};
+use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
+use super::openexr::SOFTWARE;
 use super::tone::srgb_to_linear;
 use super::{ImageError, Mask, RgbImage, atomic};
+
+/// Pixels, as [`crate::render::MAX_SIDE`]: a damaged header must not ask for all memory.
+const LARGEST_SIDE: usize = crate::render::MAX_SIDE as usize;
+
+/// A picture as a screen shows it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DisplayImage {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// sRGB, row 0 on top, `width * height` of them.
+    pub pixels: Vec<[u8; 3]>,
+    /// Texts by keyword, as those of a [`super::LayeredImage`].
+    pub attributes: BTreeMap<String, String>,
+}
 
 /// Reads a picture and undoes the sRGB curve; 8 or 16 bits, grey or colour, alpha left out.
 ///
@@ -35,15 +56,62 @@ pub fn read_mask(path: &Path) -> Result<Mask, ImageError> {
 /// # Errors
 /// [`ImageError::Write`], also where `pixels` are not `width * height`.
 pub fn write(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<(), ImageError> {
+    write_with(path, width, height, pixels, &BTreeMap::new())
+}
+
+/// As [`write`]; the attributes go into iTXt chunks, and [`SOFTWARE`] with them.
+///
+/// # Errors
+/// As [`write`], or keywords that are empty or longer than 79 bytes.
+pub fn write_with(
+    path: &Path,
+    width: usize,
+    height: usize,
+    pixels: &[[u8; 3]],
+    attributes: &BTreeMap<String, String>,
+) -> Result<(), ImageError> {
     atomic::write(path, |output| {
         let size = (u32::try_from(width), u32::try_from(height));
         let ((Ok(columns), Ok(rows)), true) = (size, pixels.len() == width * height) else {
             return Err(format!("{} pixels do not make {width}x{height}", pixels.len()));
         };
-        ::image::codecs::png::PngEncoder::new(output)
-            .write_image(pixels.as_flattened(), columns, rows, ExtendedColorType::Rgb8)
-            .map_err(|error| error.to_string())
+        let mut encoder = Encoder::new(output, columns, rows);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(Filter::Adaptive);
+        let software = ("Software".to_owned(), SOFTWARE.to_owned());
+        for (keyword, text) in attributes.clone().into_iter().chain([software]) {
+            encoder.add_itxt_chunk(keyword, text).map_err(|error| error.to_string())?;
+        }
+        let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+        writer.write_image_data(pixels.as_flattened()).map_err(|error| error.to_string())?;
+        writer.finish().map_err(|error| error.to_string())
     })
+}
+
+/// Reads a PNG of 8-bit RGB, as [`write_with`] makes them, to its last chunk.
+///
+/// # Errors
+/// [`ImageError::Read`]: missing, damaged, cut short, or of another kind.
+pub fn read_display(path: &Path) -> Result<DisplayImage, ImageError> {
+    let failed = |reason: String| ImageError::Read { path: path.to_owned(), reason };
+    let broken = |error: ::png::DecodingError| failed(error.to_string());
+    let file = File::open(path).map_err(|error| failed(error.to_string()))?;
+    let mut reader = Decoder::new(BufReader::new(file)).read_info().map_err(broken)?;
+    if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) {
+        return Err(failed("it is no picture of 8-bit RGB".to_owned()));
+    }
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    if width.max(height) > LARGEST_SIDE {
+        return Err(failed(format!("it is {width}x{height} pixels; allowed are {LARGEST_SIDE} each way")));
+    }
+    let mut pixels = vec![[0; 3]; width * height];
+    reader.next_frame(pixels.as_flattened_mut()).map_err(broken)?;
+    reader.finish().map_err(broken)?;
+    let texts = reader.info().utf8_text.iter();
+    let attributes = texts.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?))).collect();
+    Ok(DisplayImage { width, height, pixels, attributes })
 }
 
 fn decode(path: &Path) -> Result<DynamicImage, ImageError> {

@@ -17,7 +17,9 @@ const MOST_FRAMES: u32 = 1_000_000;
 
 const INDEX: Limit = Limit { holds: |n| (1.0..=10.0).contains(&n), words: "from 1 to 10" };
 const ASYMMETRY: Limit = Limit { holds: |g| (-0.999..=0.999).contains(&g), words: "from -0.999 to 0.999" };
-const FRAMES_PER_SECOND: Limit = Limit { holds: |fps| (0.01..=1000.0).contains(&fps), words: "from 0.01 to 1000" };
+/// Frames per second that are allowed; as told below.
+pub const FPS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+const FRAMES_PER_SECOND: Limit = Limit { holds: |fps| FPS.contains(&fps), words: "from 0.01 to 1000" };
 const EXPOSURE: Limit = Limit { holds: |stops| (-32.0..=32.0).contains(&stops), words: "from -32 to 32" };
 
 /// Reads the scene file at `path` and all files it refers to; relative names are taken from the scene file's folder.
@@ -25,9 +27,17 @@ const EXPOSURE: Limit = Limit { holds: |stops| (-32.0..=32.0).contains(&stops), 
 /// # Errors
 /// The first thing wrong with the scene, in one sentence that names file and line.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    load_at(path, None)
+}
+
+/// As [`load`]; where `fps` is given, frames per second, it stands for what the file says.
+///
+/// # Errors
+/// As [`load`]. Simulated water may be too fast for few frames per second.
+pub fn load_at(path: &Path, fps: Option<f64>) -> Result<Scene, SceneError> {
     let refuse = |error| SceneError::Unreadable { path: path.to_owned(), reason: io_reason(&error) };
     let text = fs::read_to_string(path).map_err(refuse)?;
-    parse(&text, path)
+    parse_at(&text, path, fps)
 }
 
 /// Reads a scene from `text` as if it stood in the file `path`.
@@ -35,6 +45,10 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
+    parse_at(text, path, None)
+}
+
+fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneError> {
     let source = Source { path, text };
     let document = DeTable::parse(text).map_err(|error| syntax_error(source, &error))?;
     let keys = ["film", "animation", "camera", "medium", "material", "object", "light"];
@@ -47,6 +61,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
     if let Some(animation) = root.get("animation") {
         scene.animation = read_animation(&animation)?;
     }
+    scene.animation.fps = fps.unwrap_or(scene.animation.fps);
     for node in tables(&root, "medium")? {
         let medium = read_medium(&node, &scene.media)?;
         scene.media.push(medium);

@@ -30,7 +30,7 @@ use glam::{Affine3A, Vec2, Vec3};
 
 pub use animation::Animation;
 pub use error::SceneError;
-pub use file::{load, parse};
+pub use file::{FPS, load, load_at, parse};
 pub use transform::Placement;
 
 /// Index into [`Scene::meshes`].

@@ -1,11 +1,13 @@
 //! The command line, by running the binary.
 
+mod animate;
 mod program;
 mod refusals;
+mod trace_file;
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use nephroid::image::{LayeredImage, openexr, png, tone};
@@ -15,7 +17,7 @@ use program::{Folder, Outcome, SCENE};
 fn help_and_version() {
     let folder = Folder::new();
     let help = folder.run("--help").stdout;
-    for command in ["render", "compare", "devices", "completions", "man"] {
+    for command in ["render", "animate", "compare", "devices", "completions", "man"] {
         assert!(help.contains(&format!("\n  {command} ")), "{command} is not in\n{help}");
         assert!(folder.run(&format!("{command} --help")).stdout.contains("Usage: nephroid"), "{command}");
     }
@@ -191,13 +193,30 @@ fn ctrl_c_keeps_the_samples_done() {
     let arguments = format!("render scene.toml --technique none -o a.exr --samples {ENDLESS}");
     let mut command = folder.command(arguments.split_whitespace());
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut errors = BufReader::new(child.stderr.take().unwrap());
+    let mut errors = BufReader::with_capacity(1, child.stderr.take().unwrap());
     let mut line = String::new();
     errors.read_line(&mut line).unwrap();
     assert!(line.starts_with(&format!("sample 1 of {ENDLESS}, ")), "{line}");
+    child.stderr = Some(errors.into_inner());
+    let outcome = interrupt(child);
+    assert_eq!(outcome.status, Some(130), "{}", outcome.stderr);
+    let samples = &openexr::read(&folder.at("a.exr")).unwrap().attributes["nephroid.samples"];
+    assert!((1..ENDLESS).contains(&samples.parse().unwrap()), "{samples}");
+    let said = format!("Stopped by Ctrl-C: the picture has {samples} of {ENDLESS} samples");
+    assert!(outcome.stdout.lines().any(|l| l == said), "'{said}' is not in\n{}", outcome.stdout);
+    assert_eq!(folder.files(), ["a.exr", "scene.toml"]);
+}
+
+/// Presses Ctrl-C, as it were, and waits.
+#[cfg(unix)]
+fn interrupt(mut child: Child) -> Outcome {
     let id = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-
+    let mut errors = child.stderr.take().unwrap();
+    let rest = std::thread::spawn(move || {
+        let mut text = String::new();
+        errors.read_to_string(&mut text).map(|_| text)
+    });
     let deadline = Instant::now() + PATIENCE;
     while child.try_wait().unwrap().is_none() {
         if Instant::now() > deadline {
@@ -205,12 +224,6 @@ fn ctrl_c_keeps_the_samples_done() {
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    errors.read_to_string(&mut line).unwrap();
     let outcome = Outcome::of(child.wait_with_output().unwrap());
-    assert_eq!(outcome.status, Some(130), "{line}");
-    let samples = &openexr::read(&folder.at("a.exr")).unwrap().attributes["nephroid.samples"];
-    assert!((1..ENDLESS).contains(&samples.parse().unwrap()), "{samples}");
-    let said = format!("Stopped by Ctrl-C: the picture has {samples} of {ENDLESS} samples");
-    assert!(outcome.stdout.lines().any(|l| l == said), "'{said}' is not in\n{}", outcome.stdout);
-    assert_eq!(folder.files(), ["a.exr", "scene.toml"]);
+    Outcome { stderr: rest.join().unwrap().unwrap(), ..outcome }
 }

@@ -3,7 +3,7 @@
 use nephroid_kernels::compiler;
 
 use super::RenderArgs;
-use super::progress::Display;
+use crate::commands::progress::Display;
 use crate::gpu::{KernelWatch, ReloadReport, WatchError};
 use crate::render::{RenderError, Renderer};
 

@@ -25,7 +25,7 @@ impl Display {
     pub fn new(samples: u32, quiet: bool) -> Self {
         let form = match (quiet, io::stderr().is_terminal()) {
             (true, _) => Form::Nothing,
-            (false, true) => Form::Bar(bar(samples)),
+            (false, true) => Form::Bar(bar(samples.into(), "{wide_bar} {pos} of {len} samples, {eta} left{msg}")),
             (false, false) => Form::Lines { start: Instant::now(), tenths: 0 },
         };
         Display { form, error: String::new() }
@@ -72,10 +72,10 @@ impl Display {
     }
 }
 
-fn bar(samples: u32) -> ProgressBar {
-    let template = "{wide_bar} {pos} of {len} samples, {eta} left{msg}";
+/// A bar of `length` samples, in indicatif's words.
+pub fn bar(length: u64, template: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(samples.into()).with_style(style);
+    let bar = ProgressBar::new(length).with_style(style);
     // A sample can take many seconds on a software device; the falling time shows that all is well.
     bar.enable_steady_tick(Duration::from_millis(250));
     bar

@@ -1,0 +1,360 @@
+//! `nephroid animate`: from a scene file to numbered picture files, one a frame.
+
+mod args;
+mod cost;
+mod pattern;
+mod progress;
+mod resume;
+mod sequence;
+mod video;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use thiserror::Error;
+
+pub use args::AnimateArgs;
+
+use super::interrupt;
+use super::output::{self, Teller, ValidationError};
+use super::request::Request;
+use super::trace_file::TraceFile;
+use crate::gpu::Device;
+use crate::image::{Format, ImageError, atomic};
+use crate::render::{Picture, RenderError, RenderSettings, Renderer};
+use crate::scene::{self, FilmSettings, Scene, SceneError};
+use crate::spans;
+use crate::trace::{Backend, TraceChoice};
+use cost::{SequenceStats, Split, Watch};
+use pattern::Pattern;
+use progress::Display;
+use resume::{Maker, State};
+use sequence::{Frames, Shard};
+use video::{Video, VideoError};
+
+/// Why a sequence was not rendered.
+#[derive(Debug, Error)]
+pub enum AnimateError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(transparent)]
+    Validation(#[from] ValidationError),
+    #[error("{scene} does not say how many frames it has; say which to render by --frames, such as --frames 0..47")]
+    Frames { scene: PathBuf },
+    #[error("the folder {path} cannot be made: {reason}")]
+    Folder { path: PathBuf, reason: String },
+}
+
+/// Renders what is missing and writes all files. The status is 0, or 130 where Ctrl-C ended the sequence early.
+///
+/// # Errors
+/// Everything that can be checked is, before the first frame: outputs, ffmpeg, scene, device, settings.
+pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
+    let start = Instant::now();
+    let common = &args.picture;
+    let outputs = outputs(&args.output)?;
+    common.stats.as_deref().map_or(Ok(()), atomic::check_place)?;
+    let video = args.video.as_deref().map(Video::new).transpose()?;
+    let mut trace_file = TraceFile::start(common.trace_file.as_deref())?;
+    if common.stats.is_some() {
+        spans::record();
+    }
+
+    let span = spans::span("load scene");
+    let mut scene = scene::load_at(&common.scene, args.fps)?;
+    drop(span);
+    let own = scene.animation.frames.map(|frames| Frames { first: 0, last: frames - 1 });
+    let frames = args.frames.or(own).ok_or_else(|| AnimateError::Frames { scene: common.scene.clone() })?;
+    let mut teller = Teller::new(common.quiet);
+    teller.warn(&scene.warnings);
+    let mut settings = common.settings(0);
+    let request = Request::new(&mut scene, &settings)?;
+
+    let shard = args.shard.unwrap_or(Shard::WHOLE);
+    let mine: Vec<u32> = frames.of(shard).collect();
+    check_places(&outputs, &mine)?;
+    remove_stale(&outputs, &mine, video.as_ref().filter(|_| shard == Shard::WHOLE))?;
+    let found = if args.resume { look(&outputs, &mine, &request, &teller) } else { vec![State::Missing; mine.len()] };
+    let (kept, todo): (Vec<_>, Vec<_>) =
+        mine.iter().copied().zip(found).partition(|(_, s)| matches!(s, State::Kept(_)));
+    adopt_backend(&mut settings, &kept);
+
+    let (fps, film) = (scene.animation.fps, scene.film.clone());
+    let mut stats = SequenceStats::new(frames, fps, shard, kept.iter().map(|(frame, _)| *frame).collect());
+    let mut row =
+        Row { args, outputs: &outputs, request: &request, teller: &mut teller, trace_file: trace_file.as_mut() };
+    let todo: Vec<u32> = todo.into_iter().map(|(frame, _)| frame).collect();
+    let mut done = 0;
+    let mut device = None;
+    if !todo.is_empty() {
+        (done, device) = row.render(scene, &settings, shard, &todo, &kept, &mut stats)?;
+    }
+
+    // Ctrl-C during the last frame is meant for the video.
+    let mut stopped = done < todo.len() || video.is_some() && interrupt::came();
+    let mut written: Vec<PathBuf> = Vec::new();
+    if let Some(path) = &common.stats {
+        stats.finish(start.elapsed().as_secs_f64());
+        interrupt::spare(|| output::write_json(path, &stats))?;
+        written.push(path.clone());
+    }
+    if let (Some(video), false) = (&video, stopped) {
+        let made = make_video(video, (frames, shard), &outputs, &request, (fps, &film), &teller);
+        // A terminal sends Ctrl-C to ffmpeg too.
+        stopped = matches!(made, Err(VideoError::Ffmpeg { .. })) && interrupt::came();
+        written.extend(if stopped { None } else { made? });
+    }
+    if let Some(file) = trace_file {
+        let name = device.as_ref().map_or("none was needed", |device: &Device| device.info.name.as_str());
+        written.push(file.write(name)?);
+    }
+    tell_end(&teller, start, (todo.len() - done, done, mine.len()), stopped);
+    if done > 0 {
+        outputs.iter().for_each(|(pattern, _)| teller.tell(format_args!("Wrote   {}", pattern.absolute())));
+    }
+    written.iter().for_each(|path| teller.tell_file(path));
+    device.as_ref().map_or(Ok(()), output::refuse_validation_messages)?;
+    Ok(if stopped { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
+}
+
+/// Says how it ended; `frames`: left, rendered, and all of this shard.
+fn tell_end(teller: &Teller, start: Instant, frames: (usize, usize, usize), stopped: bool) {
+    let (left, done, all) = frames;
+    if stopped {
+        let left = if left == 0 { "the video is left".to_owned() } else { format!("{left} of {all} frames are left") };
+        teller.tell(format_args!("Stopped by Ctrl-C: {left}; the same command with --resume goes on"));
+    }
+    teller.tell(format_args!("Time    {:.1} s for {done} frames", start.elapsed().as_secs_f64()));
+}
+
+/// Makes the video if all frames are there, and returns its place. Without shards they are.
+fn make_video(
+    video: &Video,
+    (frames, shard): (Frames, Shard),
+    outputs: &[(Pattern, Format)],
+    request: &Request,
+    (fps, film): (f64, &FilmSettings),
+    teller: &Teller,
+) -> Result<Option<PathBuf>, VideoError> {
+    let all: Vec<u32> = frames.of(Shard::WHOLE).collect();
+    if shard != Shard::WHOLE {
+        let states = resume::look(outputs, &all, request);
+        let missing = states.iter().filter(|state| !matches!(state, State::Kept(_))).count();
+        if missing > 0 {
+            teller.tell(format_args!("No video yet: {missing} frames of other shards are not there"));
+            return Ok(None);
+        }
+    }
+    // A PNG need not be tone-mapped again.
+    let png = outputs.iter().find(|(_, format)| *format == Format::Png);
+    if let Some(source) = png.or(outputs.first()) {
+        video.make(source, all.into_iter(), fps, film)?;
+    }
+    Ok(Some(video.path().to_owned()))
+}
+
+fn outputs(patterns: &[Pattern]) -> Result<Vec<(Pattern, Format)>, ImageError> {
+    patterns.iter().map(|pattern| Ok((pattern.clone(), Format::of(&pattern.path(0))?))).collect()
+}
+
+/// Sees that files can be written where their folder is there already.
+fn check_places(outputs: &[(Pattern, Format)], frames: &[u32]) -> Result<(), ImageError> {
+    for (pattern, _) in outputs {
+        let mut paths = frames.iter().map(|&frame| pattern.path(frame));
+        let taken = paths.clone().find(|path| path.is_dir());
+        if let Some(path) = taken.or_else(|| paths.next())
+            && folder_of(&path).exists()
+        {
+            atomic::check_place(&path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Makes the folders that are not there.
+fn make_folders(outputs: &[(Pattern, Format)]) -> Result<(), AnimateError> {
+    for (pattern, _) in outputs {
+        let path = pattern.path(0);
+        let folder = folder_of(&path);
+        let failed =
+            |error: io::Error| AnimateError::Folder { path: folder.to_owned(), reason: error.kind().to_string() };
+        fs::create_dir_all(folder).map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Removes what killed runs left of these files. The video of a shard may be another shard's work just now.
+fn remove_stale(outputs: &[(Pattern, Format)], frames: &[u32], video: Option<&Video>) -> Result<(), ImageError> {
+    let paths = outputs.iter().flat_map(|(pattern, _)| frames.iter().map(|&frame| pattern.path(frame)));
+    let paths: Vec<PathBuf> = paths.chain(video.map(|video| video.path().to_owned())).collect();
+    atomic::remove_stale(paths.iter().map(PathBuf::as_path))?;
+    Ok(())
+}
+
+/// What `--resume` finds, told in one line.
+fn look(outputs: &[(Pattern, Format)], frames: &[u32], request: &Request, teller: &Teller) -> Vec<State> {
+    let span = spans::span("look at frames");
+    let states = resume::look(outputs, frames, request);
+    drop(span);
+    let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
+    let parts = [
+        (count(|s| *s == State::Missing), "missing"),
+        (count(|s| *s == State::Damaged), "damaged"),
+        (count(|s| *s == State::Other), "of another scene, settings or version"),
+    ];
+    let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!(", {n} {what}")).collect();
+    let kept = count(|s| matches!(s, State::Kept(_)));
+    teller.tell(format_args!("Resume  {kept} of {} frames are there{}", frames.len(), parts.concat()));
+    states
+}
+
+/// `--trace auto` measures and may choose differently another day: the frames that are there have decided.
+fn adopt_backend(settings: &mut RenderSettings, kept: &[(u32, State)]) {
+    let Some((_, State::Kept(maker))) = kept.first() else { return };
+    if settings.trace == TraceChoice::Auto {
+        let of = |backend: &Backend| maker.tier.starts_with(&format!("{} tracing", backend.variant()));
+        match Backend::ALL.into_iter().find(of) {
+            Some(Backend::Cwbvh) => settings.trace = TraceChoice::Cwbvh,
+            Some(Backend::Bvh2) => settings.trace = TraceChoice::Bvh2,
+            // It may not be there on this device, and `auto` then does without.
+            Some(Backend::RayQuery) | None => {}
+        }
+    }
+}
+
+/// What rendering a row of frames goes by.
+struct Row<'a> {
+    args: &'a AnimateArgs,
+    outputs: &'a [(Pattern, Format)],
+    request: &'a Request,
+    teller: &'a mut Teller,
+    trace_file: Option<&'a mut TraceFile>,
+}
+
+impl Row<'_> {
+    /// Renders and writes `frames` one after the other, or fewer where Ctrl-C comes; returns how many, and on what.
+    fn render(
+        &mut self,
+        scene: Scene,
+        settings: &RenderSettings,
+        shard: Shard,
+        frames: &[u32],
+        kept: &[(u32, State)],
+        stats: &mut SequenceStats,
+    ) -> Result<(usize, Option<Device>), AnimateError> {
+        // Structures are built for frame 0 and fitted to every other, so that they do not depend on where a row starts.
+        let mut renderer = Renderer::new(scene, settings)?;
+        let device = renderer.device().clone();
+        self.teller.tell_device(&renderer);
+        self.teller.warn(&device.warnings());
+        self.warn_of_makers(&renderer, shard, settings, kept);
+        make_folders(self.outputs)?;
+        check_places(self.outputs, frames)?;
+        let setup = spans::drain();
+        self.keep(setup);
+
+        interrupt::catch();
+        let mut display = Display::new(frames.len(), renderer.samples(), self.args.picture.quiet);
+        let mut done = 0;
+        for &frame in frames {
+            if interrupt::came() {
+                break;
+            }
+            self.frame(&mut renderer, frame, &mut display, stats)?;
+            done += 1;
+        }
+        display.finish();
+        Ok((done, Some(device)))
+    }
+
+    fn frame(
+        &mut self,
+        renderer: &mut Renderer,
+        frame: u32,
+        display: &mut Display,
+        stats: &mut SequenceStats,
+    ) -> Result<(), AnimateError> {
+        let whole = Watch::start();
+        let span = spans::span_of("frame", || frame.to_string());
+        let mut split = Split::default();
+        renderer.go_to(frame)?;
+        let events = spans::drain();
+        split.moved(&events);
+        self.keep(events);
+        for _ in 0..renderer.samples() {
+            let progress = renderer.sample()?;
+            display.sample(frame, &progress);
+        }
+        let events = spans::drain();
+        split.rendered(&events);
+        self.keep(events);
+
+        let output = Watch::start();
+        let Picture { mut image, stats: of_frame } = renderer.finish()?;
+        self.request.mark(&mut image);
+        interrupt::spare(|| {
+            let film = &renderer.scene().film;
+            self.outputs
+                .iter()
+                .try_for_each(|(pattern, format)| output::write(&pattern.path(frame), *format, &image, film))
+        })?;
+        split.output.include(output.cost());
+        split.whole = whole.cost();
+        drop(span);
+        let events = spans::drain();
+        self.keep(events);
+        if self.args.picture.stats.is_some() {
+            stats.add(frame, &of_frame, split);
+        }
+        display.frame(frame);
+        display.aside(|| self.teller.warn_of_frame(frame, &of_frame.warnings));
+        Ok(())
+    }
+
+    /// Passes spans on to `--trace-file`, or forgets them.
+    fn keep(&mut self, events: Vec<spans::Event>) {
+        if let Some(file) = &mut self.trace_file {
+            file.extend(events);
+        }
+    }
+
+    /// Bits are promised for one device and tier.
+    fn warn_of_makers(&mut self, renderer: &Renderer, shard: Shard, settings: &RenderSettings, kept: &[(u32, State)]) {
+        let now = Maker { device: renderer.device().info.describe(), tier: renderer.tier() };
+        let others: Vec<&Maker> = kept
+            .iter()
+            .filter_map(|(_, state)| match state {
+                State::Kept(maker) if *maker != now => Some(maker),
+                _ => None,
+            })
+            .collect();
+        if let Some(maker) = others.first() {
+            let Maker { device, tier } = maker;
+            self.teller.warn(&[format!(
+                "{} of the frames that are kept come from {device}, {tier}, and differ from those made now by roundings",
+                others.len()
+            )]);
+        }
+        if shard != Shard::WHOLE
+            && settings.trace == TraceChoice::Auto
+            && Backend::RayQuery.available(renderer.device())
+        {
+            let choice =
+                "each shard measures for itself how rays are traced; name one way by --trace where bits must agree";
+            self.teller.warn(&[choice.to_owned()]);
+        }
+    }
+}
