@@ -2,6 +2,7 @@
 //!
 //! What a frame shows depends on the frame's number alone, never on the frames that were shown before.
 
+mod previous;
 mod simulation;
 mod waves;
 
@@ -10,8 +11,9 @@ use std::time::Instant;
 use crate::gpu::{Device, GpuError, Layout, PassTime};
 use crate::gpu_scene::{GpuScene, Vertex};
 use crate::scene::animation::{Water, WaterMotion};
-use crate::scene::{MeshId, Scene};
+use crate::scene::{Animation, MeshId, Scene};
 
+pub use previous::Previous;
 use simulation::SimulatedWater;
 use waves::TravellingWater;
 
@@ -22,6 +24,8 @@ pub(crate) fn layouts() -> Vec<Layout> {
 
 /// What moves the vertices of a scene.
 pub struct Animator {
+    device: Device,
+    previous: Option<Previous>,
     waters: Vec<(MeshId, MovingWater)>,
 }
 
@@ -67,7 +71,20 @@ impl Animator {
                 },
             ))
         });
-        Ok(Animator { waters: waters.collect::<Result<_, GpuError>>()? })
+        let waters = waters.collect::<Result<_, GpuError>>()?;
+        Ok(Animator { device: device.clone(), previous: None, waters })
+    }
+
+    /// Keeps the frame before beside each frame that is gone to from now on. It depends on the frame's number alone, too:
+    /// where another one was shown, the frame before is gone to first.
+    pub fn keep_previous(&mut self, gpu_scene: &GpuScene) -> Result<(), GpuError> {
+        self.previous = Some(Previous::new(&self.device, gpu_scene)?);
+        Ok(())
+    }
+
+    /// The frame before, where it is kept and a frame has been gone to.
+    pub fn previous(&self) -> Option<&Previous> {
+        self.previous.as_ref()
     }
 
     /// Takes `scene` and its copy on the device to `frame`: cameras, instances, lights and vertices of both. Vertices that
@@ -77,18 +94,30 @@ impl Animator {
     /// number of frames passed over.
     pub fn go_to(&mut self, frame: u32, scene: &mut Scene, gpu_scene: &mut GpuScene) -> Result<Moved, GpuError> {
         let animation = std::mem::take(&mut scene.animation);
-        animation.pose(scene, animation.time(frame));
+        let moved = self.move_all(&animation, frame, scene, gpu_scene);
         scene.animation = animation;
+        moved
+    }
+
+    fn move_all(
+        &mut self,
+        animation: &Animation,
+        frame: u32,
+        scene: &mut Scene,
+        gpu_scene: &mut GpuScene,
+    ) -> Result<Moved, GpuError> {
         let mut moved = Moved::default();
-        for (mesh, water) in &mut self.waters {
-            let has_moved = match water {
-                MovingWater::Travelling(water) => water.go_to(frame, &mut moved.times)?,
-                MovingWater::Simulated(water) => water.go_to(frame, &mut moved.times)?,
-            };
-            if has_moved {
-                moved.meshes.push(*mesh);
-            }
+        // Going back costs a simulation all its steps.
+        if let Some(previous) = self.previous.as_mut().filter(|previous| previous.of != Some(frame)) {
+            previous.of = None;
+            let before = frame.saturating_sub(1);
+            animation.pose(scene, animation.time(before));
+            move_waters(&mut self.waters, before, &mut moved)?;
+            previous.keep(&self.device, scene, gpu_scene, &mut moved.times)?;
+            previous.of = Some(frame);
         }
+        animation.pose(scene, animation.time(frame));
+        move_waters(&mut self.waters, frame, &mut moved)?;
         if !moved.meshes.is_empty() {
             let started = Instant::now();
             moved.meshes.iter().try_for_each(|&mesh| read_back(mesh, scene, gpu_scene))?;
@@ -98,6 +127,19 @@ impl Animator {
         gpu_scene.follow(scene)?;
         Ok(moved)
     }
+}
+
+fn move_waters(waters: &mut [(MeshId, MovingWater)], frame: u32, moved: &mut Moved) -> Result<(), GpuError> {
+    for (mesh, water) in waters {
+        let has_moved = match water {
+            MovingWater::Travelling(water) => water.go_to(frame, &mut moved.times)?,
+            MovingWater::Simulated(water) => water.go_to(frame, &mut moved.times)?,
+        };
+        if has_moved && !moved.meshes.contains(mesh) {
+            moved.meshes.push(*mesh);
+        }
+    }
+    Ok(())
 }
 
 /// Techniques and bounds read positions and normals on the host.

@@ -55,6 +55,9 @@ pub struct RenderArgs {
     /// The frame of the scene's animation to render
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub frame: u32,
+    /// Write motion vectors too: how far what each pixel shows has moved since the frame before, an EXR layer
+    #[arg(long)]
+    pub motion: bool,
     /// Index or part of the name of the device to use, see 'nephroid devices' [default: the most capable]
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
@@ -100,6 +103,7 @@ impl RenderArgs {
             adaptive: self.adaptive,
             seed: self.seed,
             frame: self.frame,
+            motion: self.motion,
             set: self.set.clone(),
         }
     }
