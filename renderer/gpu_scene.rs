@@ -133,9 +133,14 @@ impl GpuScene {
         Ok(GpuScene { bindings, vertices, indices, meshes, instances, instance_records, light_records, bounds })
     }
 
+    /// The instances' records as they are in `scene` now.
+    pub fn instances_of(&self, scene: &Scene) -> Vec<records::Instance> {
+        pack_instances(scene, &self.meshes)
+    }
+
     /// Follows instances and lights that have moved. Vertices are left to whoever moves them.
     pub fn follow(&mut self, scene: &Scene) -> Result<(), GpuError> {
-        self.instances = pack_instances(scene, &self.meshes);
+        self.instances = self.instances_of(scene);
         self.bounds = scene.bounds();
         let lights: Vec<_> = scene.lights.iter().map(pack_light).collect();
         self.instance_records.upload(bytemuck::cast_slice(&self.instances))?;

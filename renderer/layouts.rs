@@ -1,7 +1,7 @@
 //! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
 
 use crate::gpu::{GpuStruct, Layout};
-use crate::{adaptive, film, frame, gpu_scene, technique, trace, view};
+use crate::{adaptive, animate, film, frame, gpu_scene, technique, trace, view};
 
 /// All of them.
 pub fn layouts() -> Vec<Layout> {
@@ -23,6 +23,7 @@ pub fn layouts() -> Vec<Layout> {
         frame::DrawPush::LAYOUT,
         technique::emission::EmissionCell::LAYOUT,
     ];
+    all.extend(animate::layouts());
     all.extend(technique::reference::LAYOUTS);
     all.extend(technique::mnee::layouts());
     all.extend(trace::LAYOUTS);

@@ -12,6 +12,7 @@ pub mod gpu;
 pub mod gpu_scene;
 pub mod image;
 pub mod layouts;
+pub mod motion;
 pub mod random;
 pub mod render;
 pub mod scene;

@@ -9,6 +9,7 @@ use crate::frame::{Frame, Sampling};
 use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::image::{LayeredImage, RenderInfo};
+use crate::motion::{self, MotionVectors};
 use crate::scene::{Camera, Scene};
 use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
@@ -36,6 +37,8 @@ pub struct RenderSettings {
     pub seed: u32,
     /// Of the scene's animation; see [`crate::scene::Animation::time`].
     pub frame: u32,
+    /// Find motion vectors too, a layer of the picture; see [`MotionVectors::find`].
+    pub motion: bool,
     /// `technique.key=value`.
     pub set: Vec<String>,
 }
@@ -88,6 +91,7 @@ pub struct Renderer {
     frame: u32,
     tracer: Tracer,
     trace_choice: String,
+    motion: Option<MotionVectors>,
     technique_kind: TechniqueKind,
     settings: Settings,
     /// The one looked through; the scene's own of that name, unless [`set_camera`](Renderer::set_camera) took another.
@@ -150,13 +154,19 @@ impl Renderer {
         let (mut tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         drop(span);
         let mut passes = Vec::new();
-        if scene.animation.moves() {
-            let _span = spans::span("animate");
+        if settings.motion {
+            animator.keep_previous(&gpu_scene)?;
+        }
+        if scene.animation.moves() || settings.motion {
+            let span = spans::span("animate");
             let moved = animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?;
             stats::add_times(&mut passes, &moved.times);
+            drop(span);
+            let _span = spans::span("refit");
             stats::add_times(&mut passes, &tracer.update(&device, &scene, &gpu_scene, &moved.meshes)?);
         }
         let camera = camera(&scene, Some(&camera_name))?.clone();
+        let motion = settings.motion.then(|| MotionVectors::new(&device, &tracer)).transpose()?;
         let mut renderer = Renderer {
             device,
             scene,
@@ -165,6 +175,7 @@ impl Renderer {
             frame: settings.frame,
             tracer,
             trace_choice: choice.reason,
+            motion,
             technique_kind: settings.technique,
             settings: technique_settings,
             camera,
@@ -276,6 +287,12 @@ impl Renderer {
         }
     }
 
+    /// That of the frame before. A camera that is not the scene's own stands still.
+    fn previous_view(&self, cameras: &[Camera], band: Band) -> View {
+        let own = cameras.iter().find(|camera| self.own_camera && camera.name == self.camera.name);
+        View::new(own.unwrap_or(&self.camera), &self.scene.film, self.size, band)
+    }
+
     fn band(&self, band: Band) -> Result<BandState, GpuError> {
         let view = self.view(band);
         let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
@@ -340,6 +357,17 @@ impl Renderer {
         let read = |band: &BandState| band.frame.film.read(&band.frame.sample_counts(self.done));
         let rows = self.bands.iter().map(read).collect::<Result<Vec<FilmRows>, _>>()?;
         let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
+        let mut stats = self.stats()?;
+        if let (Some(motion), Some(previous)) = (&self.motion, self.animator.previous()) {
+            let mut vectors = Vec::new();
+            for band in &self.bands {
+                let view = self.previous_view(&previous.cameras, band.rows);
+                let (rows, times) = motion.find(&self.device, &band.frame, previous, &view)?;
+                vectors.extend(rows);
+                stats::add_times(&mut stats.passes, &times);
+            }
+            image.layers.push(motion::layer(self.size, &vectors));
+        }
         image.attributes = RenderInfo {
             scene: self.scene.path.display().to_string(),
             technique: self.technique_kind.name().to_string(),
@@ -351,7 +379,7 @@ impl Renderer {
             tier: self.tier(),
         }
         .attributes();
-        Ok(Picture { image, stats: self.stats()? })
+        Ok(Picture { image, stats })
     }
 
     fn stats(&self) -> Result<Stats, RenderError> {

@@ -1,11 +1,5 @@
 // The scene in buffers. renderer/gpu_scene.rs fills them; structs have the same names and fields there.
-
-struct Vertex { // object space
-    vec3 position;
-    float u;
-    vec3 normal; // unit
-    float v;
-};
+#include "shared/vertex.glsl"
 
 struct Instance {
     vec4 to_world[3];  // rows of the affine map from object to world space

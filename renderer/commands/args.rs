@@ -37,6 +37,9 @@ pub struct PictureArgs {
     /// Equal seeds give equal bits on the same device
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u32,
+    /// Write motion vectors too: how far what each pixel shows has moved since the frame before, an EXR layer
+    #[arg(long)]
+    pub motion: bool,
     /// Index or part of the name of the device to use, see 'nephroid devices' [default: the most capable]
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
@@ -81,6 +84,7 @@ impl PictureArgs {
             adaptive: self.adaptive,
             seed: self.seed,
             frame,
+            motion: self.motion,
             set: self.set.clone(),
         }
     }

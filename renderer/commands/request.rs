@@ -52,7 +52,7 @@ impl Request {
         let technique = Settings::parse(settings.technique, &settings.set)?;
         let of_technique: Vec<_> = technique.iter().collect();
         hash.text(format_args!("{camera:?} {} {of_technique:?}", settings.technique.name()));
-        hash.text(format_args!("{} {}", settings.adaptive, settings.seed));
+        hash.text(format_args!("{} {} {}", settings.adaptive, settings.seed, settings.motion));
         Ok(Request(hash.hex()))
     }
 

@@ -146,13 +146,18 @@ impl Buffer {
 
     /// Reads `count` items from the start of the buffer, and waits for them.
     pub fn read<T: bytemuck::Pod>(&self, count: usize) -> Result<Vec<T>, GpuError> {
-        let wanted = (count * size_of::<T>()).min(self.size as usize);
+        self.read_at(0, count)
+    }
+
+    /// Reads `count` items from byte `offset` of the buffer on, a multiple of four, and waits for them.
+    pub fn read_at<T: bytemuck::Pod>(&self, offset: u64, count: usize) -> Result<Vec<T>, GpuError> {
+        let wanted = (count * size_of::<T>()).min(self.size.saturating_sub(offset) as usize);
         let staging = self.staging(wanted, MemoryLocation::GpuToCpu)?;
         let mut bytes = Vec::with_capacity(wanted);
         while bytes.len() < wanted {
             let length = (wanted - bytes.len()).min(CHUNK);
             let mut recorder = Recorder::new(&self.device)?;
-            recorder.pass("memory/readback")?.copy(self, bytes.len() as u64, &staging, 0, length as u64);
+            recorder.pass("memory/readback")?.copy(self, offset + bytes.len() as u64, &staging, 0, length as u64);
             recorder.submit()?;
             bytes.extend_from_slice(staging.mapped()?.get(..length).unwrap_or_default());
         }

@@ -115,6 +115,23 @@ impl HeightField {
         (height, slope)
     }
 
+    /// From a vertex to its neighbours along x and z, metres.
+    pub fn spacing(&self) -> DVec2 {
+        DVec2::new(self.x[1] - self.x[0], self.z[1] - self.z[0]) / DVec2::from(self.quads.map(f64::from))
+    }
+
+    /// x and z of the mesh's vertices, in their order: rows along x.
+    pub fn vertices(&self) -> impl Iterator<Item = (f64, f64)> {
+        let [columns, rows] = self.quads;
+        (0..=rows).flat_map(move |row| (0..=columns).map(move |column| self.vertex(column, row)))
+    }
+
+    fn vertex(&self, column: u32, row: u32) -> (f64, f64) {
+        let u = f64::from(column) / f64::from(self.quads[0]);
+        let v = f64::from(row) / f64::from(self.quads[1]);
+        (self.x[0] + (self.x[1] - self.x[0]) * u, self.z[0] + (self.z[1] - self.z[0]) * v)
+    }
+
     /// `quads` quads in rows along x; quad a = (x, z), b = (x+, z), c = (x+, z+), d = (x, z+) becomes the triangles
     /// a, d, c and a, c, b. Vertex normals are those of the exact surface.
     pub fn mesh(&self, name: &str) -> Mesh {
@@ -122,8 +139,7 @@ impl HeightField {
         grid(name, columns, rows, |column, row| {
             let u = f64::from(column) / f64::from(columns);
             let v = f64::from(row) / f64::from(rows);
-            let x = self.x[0] + (self.x[1] - self.x[0]) * u;
-            let z = self.z[0] + (self.z[1] - self.z[0]) * v;
+            let (x, z) = self.vertex(column, row);
             let position = DVec3::new(x, self.height(x, z), z);
             Vertex { position, normal: self.normal(x, z), uv: DVec2::new(u, 1.0 - v) }
         })

@@ -139,8 +139,7 @@ impl HeightField {
 
     /// The shorter side of a quad, metres.
     fn least_spacing(&self) -> f64 {
-        let [columns, rows] = self.quads.map(f64::from);
-        ((self.x[1] - self.x[0]) / columns).min((self.z[1] - self.z[0]) / rows)
+        self.spacing().min_element()
     }
 }
 

@@ -1,0 +1,50 @@
+// How far what is seen at each pixel's centre has moved in the picture since the frame before, one invocation a pixel.
+#include "shared/index.glsl"
+#include "shared/scene.glsl"
+#include "shared/view.glsl"
+#include "trace/interface.glsl"
+
+layout(set = 3, binding = 0, std430) readonly buffer PreviousVertices { Vertex previous_vertices[]; };
+layout(set = 3, binding = 1, std430) readonly buffer PreviousInstances { Instance previous_instances[]; };
+layout(set = 3, binding = 2, std430) readonly buffer PreviousViews { View previous_view; };
+layout(set = 3, binding = 3, std430) writeonly buffer MotionVectors { vec2 motion_vectors[]; };
+
+// Pixels from the picture's upper left corner. `along` is the component on the viewing direction.
+vec2 place_in(View camera, vec3 way, out float along) {
+    along = dot(way, camera.forward);
+    vec2 at = vec2(dot(way, camera.right) / dot(camera.right, camera.right),
+                   -dot(way, camera.up) / dot(camera.up, camera.up));
+    return (0.5 * at / along + 0.5) * vec2(camera.width, camera.height);
+}
+
+vec3 point_of(vec3 a, vec3 b, vec3 c, vec2 barycentrics) {
+    return a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y;
+}
+
+void main() {
+    uint pixel = linear_index();
+    if (pixel >= view.width * view.rows) return;
+    vec3 direction = pixel_direction(uvec2(pixel % view.width, pixel / view.width), vec2(0.5));
+    Hit hit = trace_closest(Ray(view.position, 0.0, direction, 1e30), MASK_ALL);
+    // The background is infinitely far: cameras that turn move it, cameras that travel do not.
+    vec3 now = direction;
+    vec3 before = direction;
+    if (hit.instance != NO_INSTANCE) {
+        Instance instance = instances[hit.instance];
+        Instance was = previous_instances[hit.instance];
+        uvec3 corner = triangle_vertices(instance, hit.primitive);
+        vec3 point = point_of(vertices[corner.x].position, vertices[corner.y].position, vertices[corner.z].position,
+                              hit.barycentrics);
+        vec3 point_before = point_of(previous_vertices[corner.x].position, previous_vertices[corner.y].position,
+                                     previous_vertices[corner.z].position, hit.barycentrics);
+        now = transform_point(instance.to_world, point) - view.position;
+        before = transform_point(was.to_world, point_before) - previous_view.position;
+    }
+    // Both by one formula, so that what stands still has no motion at all.
+    float along_now;
+    float along_before;
+    vec2 at = place_in(view, now, along_now);
+    vec2 was_at = place_in(previous_view, before, along_before);
+    bool seen = along_now > 0.0 && along_before > 0.0;
+    motion_vectors[pixel] = seen ? at - was_at : vec2(0.0);
+}
