@@ -2,7 +2,7 @@
 //! against the reference's differences.
 //!
 //! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
-//! `--truth-samples`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change that. Prints a
+//! `--truth-samples`, `--photons`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change that. Prints a
 //! table and writes `target/bench/flicker.json`.
 //!
 //! The truth is the mean of two runs of the reference with seeds of their own. Its noise is known from their difference and
@@ -27,6 +27,8 @@ struct Options {
     layer: String,
     frames: u32,
     truth_samples: u32,
+    /// Of the reference, a set.
+    photons: u32,
     runs: Vec<(TechniqueKind, u32)>,
     settings: RenderSettings,
 }
@@ -101,7 +103,11 @@ fn sequence(
     samples: u32,
     seed: u32,
 ) -> Result<(Vec<Picture>, f64), Box<dyn Error>> {
-    let settings = RenderSettings { technique, samples: Some(samples), seed, ..options.settings.clone() };
+    let set = match technique {
+        TechniqueKind::Reference => vec![format!("reference.photons={}", options.photons)],
+        _ => Vec::new(),
+    };
+    let settings = RenderSettings { technique, samples: Some(samples), seed, set, ..options.settings.clone() };
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &settings)?;
     let start = stats::cpu_seconds();
     let mut frames = Vec::new();
@@ -136,7 +142,8 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
         scene: "scenes/pool.toml".into(),
         layer: "refracted".to_string(),
         frames: 48,
-        truth_samples: 64,
+        truth_samples: 16,
+        photons: 500_000,
         runs: vec![(TechniqueKind::Mnee, 4), (TechniqueKind::Mnee, 16), (TechniqueKind::Reference, 16)],
         settings: RenderSettings {
             camera: Some("under".to_string()),
@@ -157,6 +164,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
             "--layer" => options.layer = value,
             "--frames" => options.frames = value.parse::<u32>()?.max(2),
             "--truth-samples" => options.truth_samples = value.parse()?,
+            "--photons" => options.photons = value.parse()?,
             "--device" => options.settings.device.device = Some(value),
             "--trace" => options.settings.trace = value.parse()?,
             "--runs" => options.runs = value.split(',').map(run).collect::<Result<_, _>>()?,
