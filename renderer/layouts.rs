@@ -1,7 +1,7 @@
 //! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
 
 use crate::gpu::{GpuStruct, Layout};
-use crate::{adaptive, animate, film, frame, gpu_scene, technique, trace, view};
+use crate::{adaptive, animate, display, film, frame, gpu_scene, technique, trace, view};
 
 /// All of them.
 pub fn layouts() -> Vec<Layout> {
@@ -16,6 +16,7 @@ pub fn layouts() -> Vec<Layout> {
         adaptive::RoundSample::LAYOUT,
         adaptive::PixelPlan::LAYOUT,
         adaptive::RoundPush::LAYOUT,
+        display::DisplayPush::LAYOUT,
         film::FrameCounters::LAYOUT,
         frame::VisiblePoint::LAYOUT,
         frame::VisibleShade::LAYOUT,

@@ -6,6 +6,7 @@
 pub mod adaptive;
 pub mod animate;
 pub mod commands;
+pub mod display;
 pub mod film;
 pub mod frame;
 pub mod gpu;
@@ -21,3 +22,5 @@ pub mod stats;
 pub mod technique;
 pub mod trace;
 pub mod view;
+#[cfg(feature = "viewer")]
+pub mod viewer;

@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+#[cfg(feature = "viewer")]
+use nephroid::commands::view;
 use nephroid::commands::{animate, compare, devices, render, shell};
 
 const EXAMPLES: &str = "\
@@ -27,6 +29,8 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Animate(Box<animate::AnimateArgs>),
+    #[cfg(feature = "viewer")]
+    View(Box<view::ViewArgs>),
     Compare(compare::CompareArgs),
     Devices(devices::DevicesArgs),
     Completions(shell::CompletionsArgs),
@@ -49,6 +53,8 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
     match command {
         Command::Render(args) => return Ok(render::run(&args)?),
         Command::Animate(args) => return Ok(animate::run(&args)?),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => return Ok(view::run(&args)?),
         Command::Compare(args) => compare::run(&args)?,
         Command::Devices(args) => devices::run(&args)?,
         Command::Completions(args) => shell::completions(&args, Cli::command())?,

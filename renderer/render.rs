@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use crate::adaptive::AdaptiveStats;
 use crate::animate::Animator;
+use crate::display::{Display, Look};
 use crate::film::{self, FilmRows, LARGEST_BYTES_PER_PIXEL};
 use crate::frame::{Frame, Sampling};
 use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::image::{LayeredImage, RenderInfo};
 use crate::motion::{self, MotionVectors};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Light, Scene};
 use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
 use crate::technique::{self, Context, CounterEntry, LedgerEntry, Settings, Technique, TechniqueError, TechniqueKind};
@@ -97,6 +98,8 @@ pub struct Renderer {
     /// The one looked through; the scene's own of that name, unless [`set_camera`](Renderer::set_camera) took another.
     camera: Camera,
     own_camera: bool,
+    /// Those of [`set_lights`](Renderer::set_lights), in place of the scene's.
+    lights: Option<Vec<Light>>,
     size: (u32, u32),
     samples: u32,
     sampling: Sampling,
@@ -124,7 +127,7 @@ impl Renderer {
     }
 
     /// Fails for settings that no device could render.
-    fn check(scene: &Scene, settings: &RenderSettings) -> Result<Settings, RenderError> {
+    pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<Settings, RenderError> {
         camera(scene, settings.camera.as_deref())?;
         check_size(settings.size.unwrap_or((scene.film.width, scene.film.height)))?;
         if settings.samples == Some(0) {
@@ -180,6 +183,7 @@ impl Renderer {
             settings: technique_settings,
             camera,
             own_camera: true,
+            lights: None,
             size,
             samples,
             sampling,
@@ -217,6 +221,10 @@ impl Renderer {
             let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
             stats::add_times(&mut self.passes, &moved.times);
             drop(span);
+            if let Some(lights) = &self.lights {
+                self.scene.lights.clone_from(lights);
+                self.gpu_scene.follow(&self.scene)?;
+            }
             let _span = spans::span("refit");
             let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
             stats::add_times(&mut self.passes, &times);
@@ -238,8 +246,23 @@ impl Renderer {
         self.restart()
     }
 
+    /// Looks through the scene's camera of that name from now on, and forgets all samples.
+    pub fn look_through(&mut self, name: &str) -> Result<(), RenderError> {
+        (self.camera, self.own_camera) = (camera(&self.scene, Some(name))?.clone(), true);
+        self.restart()
+    }
+
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// Lights the scene by `lights` from now on, at whatever frame, and forgets all samples. They are as many as the
+    /// scene's, each of the same kind.
+    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), RenderError> {
+        self.scene.lights.clone_from(&lights);
+        self.lights = Some(lights);
+        self.gpu_scene.follow(&self.scene)?;
+        self.restart()
     }
 
     /// Pixels.
@@ -382,7 +405,28 @@ impl Renderer {
         Ok(Picture { image, stats })
     }
 
-    fn stats(&self) -> Result<Stats, RenderError> {
+    /// The picture of the samples so far as a screen shows it: 8-bit sRGB with alpha 255, row 0 on top. For uniform
+    /// sampling.
+    pub fn display(&self, display: &mut Display, look: Look) -> Result<Vec<[u8; 4]>, RenderError> {
+        let mut pixels = Vec::new();
+        for band in &self.bands {
+            pixels.extend(display.read(&band.frame.film, self.done, look)?);
+        }
+        Ok(pixels)
+    }
+
+    /// Samples of the picture so far.
+    pub fn done(&self) -> u32 {
+        self.done
+    }
+
+    /// The times of passes, summed over the samples so far.
+    pub fn passes(&self) -> &[PassTotal] {
+        &self.passes
+    }
+
+    /// What the samples so far took, and where the light went.
+    pub fn stats(&self) -> Result<Stats, RenderError> {
         let info = &self.device.info;
         Ok(Stats {
             version: env!("CARGO_PKG_VERSION"),

@@ -6,14 +6,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid, layer};
+use nephroid::display::{Display, Look};
 use nephroid::film::{self, SampleCounts};
 use nephroid::frame::{Frame, Sampling};
 use nephroid::gpu::{Bindings, Buffer, Capability, Kernel, Recorder};
 use nephroid::gpu_scene::GpuScene;
-use nephroid::image::LayeredImage;
+use nephroid::image::{FINAL_LAYER, LayeredImage, tone};
 use nephroid::random;
-use nephroid::render::RenderSettings;
-use nephroid::scene::{self, Scene};
+use nephroid::render::{RenderSettings, Renderer};
+use nephroid::scene::{self, Scene, ToneCurve};
 use nephroid::technique::TechniqueKind;
 use nephroid::trace::{self, TraceChoice};
 use nephroid::view::{Band, View};
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         Case { name: "devices_give_the_same_picture", needs: &[], disable: "", run: devices },
         Case { name: "caustic_samples_make_a_mean", needs: &[], disable: "", run: caustic_mean },
         Case { name: "random_numbers_are_the_hosts", needs: &[], disable: "", run: random_numbers },
+        Case { name: "a_screen_shows_what_a_png_holds", needs: &[], disable: "", run: display },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: equal_bits },
     ])
 }
@@ -86,6 +88,36 @@ centre = [0, 0, 0]
 size = [100, 100]
 material = "floor"
 "#;
+
+/// A floor whose light falls off from far above what a screen shows to almost nothing, in three colours.
+fn display(request: &Request) {
+    let light = "kind = \"point\"\nposition = [2, 0.3, 1]\nintensity = [3, 1, 0.2]";
+    let scene = parse(&format!("{FLOOR}\n[[light]]\nname = \"lamp\"\n{light}"));
+    let settings = RenderSettings {
+        device: request.device.clone(),
+        technique: TechniqueKind::None,
+        size: Some((32, 24)),
+        samples: Some(3),
+        ..Default::default()
+    };
+    let mut renderer = Renderer::new(scene, &settings).unwrap();
+    for _ in 0..3 {
+        renderer.sample().unwrap();
+    }
+    let mut display = Display::new(renderer.device()).unwrap();
+    let truth = layer(&renderer.finish().unwrap().image, FINAL_LAYER);
+    for (tone_curve, exposure) in [(ToneCurve::Linear, 0.0), (ToneCurve::Reinhard, 1.5)] {
+        let shown = renderer.display(&mut display, Look { exposure, tone_curve }).unwrap();
+        let png = tone::display(&truth, exposure, tone::curve(tone_curve));
+        let (dark, bright) = (png.iter().filter(|p| p[0] < 64).count(), png.iter().filter(|p| p[0] > 192).count());
+        assert!(dark > 9 && bright > 9 && shown.len() == png.len(), "{dark} {bright}");
+        for (shown, png) in shown.iter().zip(&png) {
+            // A device's pow may round the other way.
+            assert!((0..3).all(|c| shown[c].abs_diff(png[c]) <= 1) && shown[3] == 255, "{shown:?} {png:?}");
+        }
+    }
+    assert_valid(renderer.device());
+}
 
 /// A pixel so small that its centre stands for it.
 fn tiny(settings: &mut RenderSettings) {

@@ -11,7 +11,7 @@ use crate::render::{MAX_SIDE, RenderSettings};
 use crate::technique::{Setting, TechniqueKind};
 use crate::trace::TraceChoice;
 
-const MOST_SAMPLES: i64 = 1_000_000;
+pub(super) const MOST_SAMPLES: i64 = 1_000_000;
 
 // A doc comment here would become the description of every command that takes these.
 #[derive(Debug, Clone, Args)]
@@ -91,7 +91,7 @@ impl PictureArgs {
 }
 
 /// Takes one of `names`, and `parse` makes a value of it; help, completions and errors list the names.
-fn named<T, E>(
+pub(super) fn named<T, E>(
     names: impl IntoIterator<Item = &'static str>,
     parse: fn(&str) -> Result<T, E>,
 ) -> impl TypedValueParser<Value = T>
@@ -102,11 +102,11 @@ where
     PossibleValuesParser::new(names).try_map(move |name| parse(&name))
 }
 
-fn technique_names() -> impl Iterator<Item = &'static str> {
+pub(super) fn technique_names() -> impl Iterator<Item = &'static str> {
     TechniqueKind::ALL.iter().map(|technique| technique.name())
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text
         .split_once(['x', 'X'])
         .ok_or("wanted are width x height in pixels, such as 640x480, each from 1 to 16384")?;
@@ -118,7 +118,7 @@ fn side(name: &str, text: &str) -> Result<u32, String> {
     pixels.ok_or_else(|| format!("the {name} is '{text}'; allowed are whole numbers from 1 to {MAX_SIDE}"))
 }
 
-fn disable_help() -> String {
+pub(super) fn disable_help() -> String {
     let names = Capability::ALL.map(Capability::name).join(", ");
     format!("Do without capabilities of the device, separated by commas: {names}")
 }

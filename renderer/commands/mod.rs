@@ -11,3 +11,5 @@ pub mod render;
 mod request;
 pub mod shell;
 mod trace_file;
+#[cfg(feature = "viewer")]
+pub mod view;

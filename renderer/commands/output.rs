@@ -7,8 +7,9 @@ use std::path::Path;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::display::Look;
 use crate::gpu::Device;
-use crate::image::{Format, ImageError, LayeredImage, atomic, openexr, png, tone};
+use crate::image::{self, Format, ImageError, LayeredImage, atomic};
 use crate::render::Renderer;
 use crate::scene::FilmSettings;
 use crate::spans;
@@ -31,16 +32,9 @@ pub fn refuse_validation_messages(device: &Device) -> Result<(), ValidationError
 }
 
 /// Writes a picture: all of it as EXR, as the film's settings show it as PNG.
-pub fn write(path: &Path, format: Format, image: &LayeredImage, film: &FilmSettings) -> Result<(), ImageError> {
+pub fn write(path: &Path, format: Format, layers: &LayeredImage, film: &FilmSettings) -> Result<(), ImageError> {
     let _span = spans::span_of("write picture", || path.display().to_string());
-    match format {
-        Format::Exr => openexr::write(path, image),
-        Format::Png => {
-            let picture = image.select(path, None)?;
-            let bytes = tone::display(&picture.pixels, film.exposure, tone::curve(film.tone_curve));
-            png::write_with(path, picture.width, picture.height, &bytes, &image.attributes)
-        }
-    }
+    image::write(path, format, layers, Look::from(film))
 }
 
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ImageError> {

@@ -12,6 +12,8 @@ use super::capability::{Capabilities, Capability};
 use super::kernel::MadeKernels;
 use super::survey::{DeviceInfo, choose, survey};
 use super::{GpuError, Instance, Quirks};
+#[cfg(feature = "viewer")]
+use super::{Surface, surface::WindowHandles};
 
 /// How a device is to be opened.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,7 +48,8 @@ pub struct DeviceInner {
     pub(crate) raw: ash::Device,
     pub(crate) queue: Mutex<vk::Queue>,
     pub(crate) queue_family: u32,
-    pub(crate) allocator: Mutex<ManuallyDrop<Allocator>>,
+    /// Shared with what draws the window.
+    pub(crate) allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     pub(crate) labels: Option<ext::debug_utils::Device>,
     pub(crate) structures: Option<khr::acceleration_structure::Device>,
     pub(crate) rendering: Option<khr::dynamic_rendering::Device>,
@@ -56,21 +59,42 @@ pub struct DeviceInner {
     pub(crate) made: MadeKernels,
     held: AtomicU64,
     peak: AtomicU64,
-    instance: Arc<Instance>,
+    pub(super) instance: Arc<Instance>,
 }
 
 impl Device {
     /// Opens the device that the request names.
     pub fn open(request: &DeviceRequest) -> Result<Device, GpuError> {
-        let instance = Arc::new(Instance::new(request.validation)?);
+        let instance = Arc::new(Instance::new(request.validation, &[])?);
         let devices = survey(&instance)?;
-        let info = choose(&devices, request.device.as_deref())?.clone();
-        let device = Device::with_capabilities(&instance, &info, info.capabilities.without(&request.disable))?;
+        let info = choose(&devices, request.device.as_deref())?;
+        Device::open_on(&instance, info, request, None)
+    }
+
+    /// Opens the device that the request names, or else the best that can show pictures in `window`.
+    #[cfg(feature = "viewer")]
+    pub fn open_for_window(request: &DeviceRequest, window: WindowHandles) -> Result<(Device, Surface), GpuError> {
+        let extensions = Surface::extensions(&*window)?;
+        let instance = Arc::new(Instance::new(request.validation, &extensions)?);
+        let surface = Surface::new(&instance, window)?;
+        let (info, family) = surface.choose(&survey(&instance)?, request.device.as_deref())?;
+        Ok((Device::open_on(&instance, &info, request, Some(family))?, surface))
+    }
+
+    /// `presenting`: the queue family that shows pictures in a window, if there is one.
+    fn open_on(
+        instance: &Arc<Instance>,
+        info: &DeviceInfo,
+        request: &DeviceRequest,
+        presenting: Option<u32>,
+    ) -> Result<Device, GpuError> {
+        let open = |capabilities| Device::with_capabilities(instance, info, capabilities, presenting);
+        let device = open(info.capabilities.without(&request.disable))?;
         if device.has(Capability::RayQuery)
             && let Err(reason) = crate::trace::smoke_test(&device)
         {
             let without = device.capabilities.without(&Capabilities::new([Capability::RayQuery]));
-            let device = Device::with_capabilities(&instance, &info, without)?;
+            let device = open(without)?;
             device.warn(format!("{} offers ray queries that do not work ({reason}); a BVH is used", info.name));
             return Ok(device);
         }
@@ -82,9 +106,10 @@ impl Device {
         instance: &Arc<Instance>,
         info: &DeviceInfo,
         capabilities: Capabilities,
+        presenting: Option<u32>,
     ) -> Result<Device, GpuError> {
-        let queue_family = queue_family(instance, info, &capabilities)?;
-        let raw = create(instance, info, &capabilities, queue_family)?;
+        let queue_family = presenting.map_or_else(|| queue_family(instance, info, &capabilities), Ok)?;
+        let raw = create(instance, info, &capabilities, queue_family, presenting.is_some())?;
         let buffer_device_address = capabilities.has(Capability::RayQuery);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
@@ -112,7 +137,7 @@ impl Device {
             raw,
             queue: Mutex::new(queue),
             queue_family,
-            allocator: Mutex::new(ManuallyDrop::new(allocator)),
+            allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
             #[cfg(feature = "hot-reload")]
             kernels: Default::default(),
             made: MadeKernels::default(),
@@ -124,7 +149,7 @@ impl Device {
 
     /// The devices that could be opened.
     pub fn list() -> Result<Vec<DeviceInfo>, GpuError> {
-        survey(&Instance::new(false)?)
+        survey(&Instance::new(false, &[])?)
     }
 }
 
@@ -182,14 +207,12 @@ impl DeviceInner {
 
 impl Drop for DeviceInner {
     fn drop(&mut self) {
-        // SAFETY: resources hold the device by reference count, or are the device's own and destroyed here; the allocator
-        // is dropped once, before the device whose memory it frees.
+        // SAFETY: resources hold the device by reference count, or are the device's own and destroyed here, so that every
+        // other handle to the allocator is gone; it is dropped once, before the device whose memory it frees.
         unsafe {
             let _ = self.raw.device_wait_idle();
             self.made.clear();
-            if let Ok(allocator) = self.allocator.get_mut() {
-                ManuallyDrop::drop(allocator);
-            }
+            ManuallyDrop::drop(&mut self.allocator);
             self.raw.destroy_device(None);
         }
     }
@@ -216,8 +239,9 @@ fn create(
     info: &DeviceInfo,
     capabilities: &Capabilities,
     queue_family: u32,
+    presenting: bool,
 ) -> Result<ash::Device, GpuError> {
-    let mut extensions = Vec::new();
+    let mut extensions = if presenting { vec![khr::swapchain::NAME.as_ptr()] } else { Vec::new() };
     let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut rendering = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
     let mut ray_query = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);

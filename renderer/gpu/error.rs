@@ -23,6 +23,16 @@ pub enum GpuError {
     NoValidation,
     #[error("validation was asked for, but the extension VK_EXT_debug_utils, which brings its messages, is missing")]
     NoMessages,
+    #[error(
+        "no Vulkan driver here offers {missing}, which a window on this display needs; install another driver, or make \
+         pictures without a window by 'nephroid render'"
+    )]
+    NoSurfaces { missing: String },
+    #[error(
+        "the device {device} cannot show pictures in this window; take another by --device (see 'nephroid devices'), or \
+         make pictures without a window by 'nephroid render'"
+    )]
+    CannotPresent { device: String },
     #[error("unknown capability \"{found}\" in the list of what to disable; allowed are: {allowed}")]
     UnknownCapability { found: String, allowed: String },
     #[error("the capability {0} cannot be disabled: it has no fallback")]

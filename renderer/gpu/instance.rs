@@ -20,23 +20,28 @@ pub struct Instance {
     pub(crate) debug_utils: bool,
     debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     messages: Messages,
+    #[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "held for the loader's sake; surfaces read it"))]
+    pub(super) entry: ash::Entry,
     // Boxed so that the pointer handed to the driver stays valid however the instance moves.
     _callback_target: Box<Messages>,
-    _entry: ash::Entry,
 }
 
 impl Instance {
     /// Opens the loader and makes a Vulkan 1.2 (or later, where there is one) instance, with validation and
-    /// synchronisation validation if asked.
-    pub fn new(validation: bool) -> Result<Self, GpuError> {
+    /// synchronisation validation if asked. `surface_extensions` are those that a window needs, none without a window.
+    pub fn new(validation: bool, surface_extensions: &[&CStr]) -> Result<Self, GpuError> {
         // SAFETY: the loader is the system's Vulkan library, whose initialisers have no preconditions.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| GpuError::NoLoader(e.to_string()))?;
         if validation && !has_layer(&entry)? {
             return Err(GpuError::NoValidation);
         }
-        let debug_utils = has_debug_utils(&entry)?;
+        let offered = offered_extensions(&entry)?;
+        let debug_utils = offered.contains(ext::debug_utils::NAME);
         if validation && !debug_utils {
             return Err(GpuError::NoMessages);
+        }
+        if let Some(missing) = surface_extensions.iter().find(|name| !offered.contains(name)) {
+            return Err(GpuError::NoSurfaces { missing: missing.to_string_lossy().into_owned() });
         }
         let messages = Messages::default();
         let mut callback_target = Box::new(messages.clone());
@@ -46,7 +51,7 @@ impl Instance {
             .engine_name(c"nephroid")
             .api_version(vk::API_VERSION_1_3);
         let layers = if validation { vec![VALIDATION_LAYER.as_ptr()] } else { vec![] };
-        let mut extensions = Vec::new();
+        let mut extensions: Vec<_> = surface_extensions.iter().map(|name| name.as_ptr()).collect();
         if debug_utils {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
@@ -79,7 +84,7 @@ impl Instance {
         } else {
             None
         };
-        Ok(Instance { raw, debug_utils, debug, messages, _callback_target: callback_target, _entry: entry })
+        Ok(Instance { raw, debug_utils, debug, messages, entry, _callback_target: callback_target })
     }
 
     /// What the validation layers have said so far; empty without validation.
@@ -105,11 +110,19 @@ fn has_layer(entry: &ash::Entry) -> Result<bool, GpuError> {
     Ok(layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
 }
 
-fn has_debug_utils(entry: &ash::Entry) -> Result<bool, GpuError> {
+struct Extensions(Vec<vk::ExtensionProperties>);
+
+impl Extensions {
+    fn contains(&self, name: &CStr) -> bool {
+        self.0.iter().any(|e| e.extension_name_as_c_str() == Ok(name))
+    }
+}
+
+fn offered_extensions(entry: &ash::Entry) -> Result<Extensions, GpuError> {
     // SAFETY: no preconditions.
     let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
         .call("vkEnumerateInstanceExtensionProperties")?;
-    Ok(extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)))
+    Ok(Extensions(extensions))
 }
 
 fn messenger_info(target: &mut Box<Messages>) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {

@@ -10,6 +10,8 @@ mod instance;
 mod kernel;
 mod layout;
 mod memory;
+#[cfg(feature = "viewer")]
+mod painter;
 mod pipeline;
 mod quirks;
 mod raster;
@@ -17,7 +19,11 @@ mod recorder;
 mod reflect;
 #[cfg(feature = "hot-reload")]
 mod reload;
+#[cfg(feature = "viewer")]
+mod surface;
 mod survey;
+#[cfg(feature = "viewer")]
+mod swapchain;
 
 pub use capability::{Capabilities, Capability};
 pub use device::{Device, DeviceInner, DeviceRequest};
@@ -27,10 +33,16 @@ pub use instance::Instance;
 pub use kernel::{Binding, Bindings, Kernel};
 pub use layout::{Field, GpuStruct, Layout};
 pub use memory::{Buffer, Image};
+#[cfg(feature = "viewer")]
+pub use painter::Painter;
 pub use quirks::Quirks;
 pub use raster::{Raster, RasterTargets};
 pub use recorder::{Pass, PassTime, Recorder};
 pub use reflect::{Interface, Struct, reflect};
 #[cfg(feature = "hot-reload")]
 pub use reload::{KernelWatch, ReloadReport, WatchError};
+#[cfg(feature = "viewer")]
+pub use surface::{Surface, WindowHandles};
 pub use survey::{DeviceInfo, Limits};
+#[cfg(feature = "viewer")]
+pub use swapchain::{Drawn, Swapchain};

@@ -63,6 +63,43 @@ pub enum MetricsError {
 /// Sizes that differ, an empty mask, a truth that is not finite or not positive on average inside
 /// the mask.
 pub fn compare(test: &RgbImage, truth: &RgbImage, mask: &Mask) -> Result<Metrics, MetricsError> {
+    let Sums { pixels, sum_test, sum_truth, mean, rmse, peak } = sums(test, truth, mask)?;
+    let gain = MID_GREY / mean;
+    Ok(Metrics {
+        pixels,
+        rel_rmse: rmse / mean,
+        energy_ratio: sum_test / sum_truth,
+        bias: (sum_test - sum_truth) / sum_truth,
+        psnr: (rmse > 0.0).then(|| 20.0 * (peak / rmse).log10()),
+        flip: mean_flip(test, truth, mask, gain as f32),
+        flip_exposure: gain.log2(),
+        non_finite_test: masked(test, mask).filter(|pixel| !finite(pixel)).count(),
+        non_finite_truth: truth.pixels.iter().filter(|pixel| !finite(pixel)).count(),
+    })
+}
+
+/// [`Metrics::rel_rmse`] alone, which takes a fraction of the time.
+///
+/// # Errors
+/// As [`compare`].
+pub fn rel_rmse(test: &RgbImage, truth: &RgbImage, mask: &Mask) -> Result<f64, MetricsError> {
+    let Sums { mean, rmse, .. } = sums(test, truth, mask)?;
+    Ok(rmse / mean)
+}
+
+/// What is summed over pixels and channels.
+struct Sums {
+    pixels: usize,
+    sum_test: f64,
+    sum_truth: f64,
+    /// Of the truth.
+    mean: f64,
+    rmse: f64,
+    /// Of the truth.
+    peak: f64,
+}
+
+fn sums(test: &RgbImage, truth: &RgbImage, mask: &Mask) -> Result<Sums, MetricsError> {
     let pixels = check(test, truth, mask)?;
     let samples = (3 * pixels) as f64;
     let (mut sum_test, mut sum_truth, mut squares, mut peak) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -79,19 +116,7 @@ pub fn compare(test: &RgbImage, truth: &RgbImage, mask: &Mask) -> Result<Metrics
     if mean <= 0.0 {
         return Err(MetricsError::DarkTruth { mean });
     }
-    let rmse = (squares / samples).sqrt();
-    let gain = MID_GREY / mean;
-    Ok(Metrics {
-        pixels,
-        rel_rmse: rmse / mean,
-        energy_ratio: sum_test / sum_truth,
-        bias: (sum_test - sum_truth) / sum_truth,
-        psnr: (rmse > 0.0).then(|| 20.0 * (peak / rmse).log10()),
-        flip: mean_flip(test, truth, mask, gain as f32),
-        flip_exposure: gain.log2(),
-        non_finite_test: masked(test, mask).filter(|pixel| !finite(pixel)).count(),
-        non_finite_truth: truth.pixels.iter().filter(|pixel| !finite(pixel)).count(),
-    })
+    Ok(Sums { pixels, sum_test, sum_truth, mean, rmse: (squares / samples).sqrt(), peak })
 }
 
 /// The number of pixels inside the mask, where the three go together.

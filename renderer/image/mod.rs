@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::display::Look;
+
 /// The layer that holds the finished picture. In an EXR file its channels carry no prefix.
 pub const FINAL_LAYER: &str = "final";
 
@@ -224,6 +226,21 @@ pub fn read(path: &Path) -> Result<LayeredImage, ImageError> {
             layers: vec![Layer::from_rgb(FINAL_LAYER, &png::read_linear(path)?)],
             attributes: BTreeMap::new(),
         }),
+    }
+}
+
+/// Writes a picture: all layers as they are, or the final layer as `look` shows it. The file appears whole or not at all.
+///
+/// # Errors
+/// [`ImageError::Write`], and for a PNG those of [`LayeredImage::select`].
+pub fn write(path: &Path, format: Format, image: &LayeredImage, look: Look) -> Result<(), ImageError> {
+    match format {
+        Format::Exr => openexr::write(path, image),
+        Format::Png => {
+            let picture = image.select(path, None)?;
+            let bytes = tone::display(&picture.pixels, look.exposure, tone::curve(look.tone_curve));
+            png::write_with(path, picture.width, picture.height, &bytes, &image.attributes)
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::scene::ToneCurve;
 
 /// The luminance that a scene's Reinhard curve sends to 1.
-const REINHARD_WHITE: f32 = 4.0;
+pub const REINHARD_WHITE: f32 = 4.0;
 
 /// Rec.709 luminance of a linear colour.
 pub fn luminance([r, g, b]: [f32; 3]) -> f32 {

@@ -1,0 +1,43 @@
+// The film as 8-bit sRGB: final radiance times the exposure, through the tone curve. As renderer/image/tone.rs does it.
+#include "shared/index.glsl"
+#include "shared/math.glsl"
+
+struct DisplayPush {
+    uint pixels;
+    uint curve;     // 0: linear, 1: Reinhard
+    float samples;  // that the film's direct light is the sum of
+    float gain;
+    float white;    // luminance that Reinhard's curve sends to 1
+    uint padding0;
+    uint padding1;
+    uint padding2;
+};
+layout(set = 2, binding = 0, std430) writeonly buffer DisplayPixels { uint display_pixels[]; };
+layout(set = 2, binding = 6, std430) readonly buffer FilmDirect { vec4 film_direct[]; };
+layout(set = 2, binding = 10, std430) readonly buffer FilmCaustic { vec4 film_caustic[]; };
+layout(push_constant) uniform DisplayPushes { DisplayPush push; };
+
+const uint CURVE_REINHARD = 1u;
+
+float srgb(float linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+void main() {
+    uint pixel = linear_index();
+    if (pixel >= push.pixels) return;
+    vec3 color = vec3(0.0);
+    for (uint layer = 0u; layer < 2u; layer++) {
+        uint slot = layer * push.pixels + pixel;
+        color += film_direct[slot].rgb / push.samples + film_caustic[slot].rgb;
+    }
+    color *= push.gain;
+    float luminance = dot(color, vec3(0.2126, 0.7152, 0.0722));
+    if (push.curve == CURVE_REINHARD && luminance > 0.0) {
+        color *= (1.0 + luminance / (push.white * push.white)) / (1.0 + luminance);
+    }
+    // clamp() leaves it open what becomes of a NaN.
+    color = all_finite(color) ? clamp(color, 0.0, 1.0) : vec3(0.0);
+    uvec3 bytes = uvec3(vec3(srgb(color.r), srgb(color.g), srgb(color.b)) * 255.0 + 0.5);
+    display_pixels[pixel] = bytes.r | bytes.g << 8 | bytes.b << 16 | 255u << 24;
+}

@@ -1,0 +1,218 @@
+//! The window, opened by the binary under Xvfb: every technique, sizes, and what becomes of a display that is not there.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, ExitCode, Output, Stdio};
+use std::time::Duration;
+
+use libtest_mimic::{Arguments, Trial};
+use nephroid::gpu::Device;
+use nephroid::image::{RgbImage, png};
+use nephroid::technique::TechniqueKind;
+use tempfile::TempDir;
+
+/// Part of the name of a device that presents to Xvfb, and of one that does not.
+const PRESENTS: &str = "llvmpipe";
+const DOES_NOT: &str = "SwiftShader";
+
+/// What both the window and `nephroid render` are told: little to do, and the same bits each time.
+const SETTINGS: [&str; 6] = ["--trace", "cwbvh", "--camera", "under", "--set", "reference.photons=20000"];
+
+fn main() -> ExitCode {
+    let names: Vec<String> = Device::list().unwrap_or_default().into_iter().map(|device| device.name).collect();
+    let has = |part: &str| names.iter().any(|name| name.contains(part));
+    let server = Command::new("Xvfb").arg("-help").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    let without = |driver: &str| match (server, has(driver)) {
+        (false, _) => Some("Xvfb is not installed".to_string()),
+        (_, false) => Some(format!("no {driver} device")),
+        _ => None,
+    };
+    let trials = vec![
+        trial("a_script_plays_every_technique", without(PRESENTS), plays_a_script),
+        trial("ctrl_c_closes_the_window", without(PRESENTS), ctrl_c),
+        trial("a_device_that_cannot_present_is_named", without(DOES_NOT), cannot_present),
+        trial("no_display_and_bad_input_are_sentences", None, refusals),
+    ];
+    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+}
+
+fn trial(name: &str, missing: Option<String>, run: fn()) -> Trial {
+    let name = missing.as_ref().map_or(name.to_string(), |reason| format!("{name} (skipped: {reason})"));
+    Trial::test(name, move || {
+        run();
+        Ok(())
+    })
+    .with_ignored_flag(missing.is_some())
+}
+
+fn plays_a_script() {
+    let (server, folder) = (Server::start(), folder());
+    let mut script = String::from("size 96x72\nwindow 1000x700\n");
+    for kind in TechniqueKind::ALL {
+        let name = kind.name();
+        script += &format!("technique {name}\nwait 2\nscreenshot {name}.png\n");
+    }
+    // The last technique stays in use.
+    script += "
+        capture window.png
+        turn 0.1 0.1           # dragging, at a fraction of the size and then at the full size
+        wait 1
+        screenshot turned.png
+        camera under
+        wait 2
+        screenshot back.png
+        split none
+        frame 3
+        minimise
+        restore
+        window 900x640
+        size 64x48
+        wait 2
+        screenshot small.png
+        capture smaller.png
+        quit";
+    std::fs::write(folder.path().join("script.txt"), script).unwrap();
+    let arguments = ["--device", PRESENTS, "--script", "script.txt", "--validation"];
+    let output = server.view(&folder, &arguments);
+    assert!(output.status.success(), "{output:?}");
+
+    let last = TechniqueKind::ALL.last().unwrap().name();
+    for kind in TechniqueKind::ALL {
+        let name = kind.name();
+        let arguments = ["--technique", name, "--size", "96x72", "--samples", "2", "-o", "render.png"];
+        // Settings are those of one technique.
+        let own = SETTINGS.len() - if *kind == TechniqueKind::Reference { 0 } else { 2 };
+        let output = run(&folder, "render", &arguments, &SETTINGS[..own]).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        assert!(
+            picture(&folder, "render.png") == picture(&folder, &format!("{name}.png")),
+            "{name} is not what render makes"
+        );
+        // All light comes through the water, so all of it is caustic.
+        let light = mean(&folder, &format!("{name}.png")).0;
+        assert!((light > 0.01) == (*kind != TechniqueKind::None), "{name}: {light}");
+    }
+    assert!(picture(&folder, "turned.png") != picture(&folder, &format!("{last}.png")));
+    assert!(
+        picture(&folder, "back.png") == picture(&folder, &format!("{last}.png")),
+        "the scene's camera is not the same again"
+    );
+    assert_eq!(mean(&folder, "small.png").1, (64, 48));
+    for (name, size) in [("window.png", (1000, 700)), ("smaller.png", (900, 640))] {
+        let (light, found) = mean(&folder, name);
+        assert!(found == size && light > 0.01, "{name}: {light} {found:?}");
+    }
+}
+
+fn ctrl_c() {
+    let (server, folder) = (Server::start(), folder());
+    // A pipe that closes when the window's first picture is there would need the script's help: a file does.
+    std::fs::write(folder.path().join("script.txt"), "size 32x24\nwait 1\nscreenshot there.png\nwait 1000000").unwrap();
+    let mut command = server.command(&folder, &["--technique", "none", "--script", "script.txt"]);
+    let mut child = command.args(["--device", PRESENTS]).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for(|| folder.path().join("there.png").exists() || child.try_wait().unwrap().is_some());
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(sent.success() && output.status.code() == Some(130), "{output:?}");
+}
+
+fn cannot_present() {
+    let (server, folder) = (Server::start(), folder());
+    let output = server.view(&folder, &["--device", DOES_NOT]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    for part in [DOES_NOT, "cannot show pictures in this window", "nephroid render"] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+fn refusals() {
+    let folder = folder();
+    std::fs::write(folder.path().join("bad.txt"), "wait 1\njump").unwrap();
+    let cases: [(&[&str], &str); 5] = [
+        (&[], "no window can be opened"),
+        (&["--script", "bad.txt"], "bad.txt, line 2: 'jump' is no step"),
+        (&["--set", "reference.photons=0"], "reference.photons is \"0\""),
+        (&["--camera", "moon"], "no camera \"moon\""),
+        (&["--truth", "missing.exr"], "missing.exr: cannot be read"),
+    ];
+    for (arguments, message) in cases {
+        let mut command = run(&folder, "view", arguments, &[]);
+        let output = command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains(message), "{arguments:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+/// A folder with the pool, with less water so that it is quick.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/pool.toml")).unwrap();
+    std::fs::write(folder.path().join("scene.toml"), text.replace("quads = [256, 256]", "quads = [64, 64]")).unwrap();
+    folder
+}
+
+fn run(folder: &TempDir, command: &str, arguments: &[&str], more: &[&str]) -> Command {
+    let mut binary = Command::new(env!("CARGO_BIN_EXE_nephroid"));
+    binary.args([command, "scene.toml"]).args(arguments).args(more).current_dir(folder.path());
+    binary
+}
+
+fn picture(folder: &TempDir, name: &str) -> RgbImage {
+    png::read_linear(&folder.path().join(name)).unwrap()
+}
+
+/// Mean linear value of a PNG, and its size.
+fn mean(folder: &TempDir, name: &str) -> (f32, (usize, usize)) {
+    let image = picture(folder, name);
+    let sum: f32 = image.pixels.iter().flatten().sum();
+    (sum / (3 * image.pixels.len()) as f32, (image.width, image.height))
+}
+
+fn wait_for(mut there: impl FnMut() -> bool) {
+    for _ in 0..600 {
+        if there() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    panic!("nothing came in a minute");
+}
+
+/// An X server without a screen, on a display number of its own choice.
+struct Server {
+    process: Child,
+    display: String,
+}
+
+impl Server {
+    fn start() -> Self {
+        let mut process = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut number = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        Server { process, display: format!(":{}", number.trim()) }
+    }
+
+    fn command(&self, folder: &TempDir, arguments: &[&str]) -> Command {
+        let mut command = run(folder, "view", arguments, &SETTINGS[..4]);
+        command.env("DISPLAY", &self.display).env_remove("WAYLAND_DISPLAY").env_remove("NEPHROID_DEVICE");
+        command
+    }
+
+    fn view(&self, folder: &TempDir, arguments: &[&str]) -> Output {
+        self.command(folder, arguments).args(&SETTINGS[4..]).output().unwrap()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
