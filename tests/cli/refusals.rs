@@ -203,7 +203,8 @@ fn comparisons_and_pages() {
     let stderr = folder.refused(folder.command(["compare", "gone.exr", "kept.exr"]), 1);
     assert!(stderr.starts_with("nephroid: gone.exr: cannot be read: "), "{stderr}");
     let stderr = folder.refused(folder.command(["man", "woman"]), 1);
-    let allowed = "render, animate, compare, devices, completions, man, help";
+    let view = if cfg!(feature = "viewer") { "view, " } else { "" };
+    let allowed = format!("render, animate, {view}compare, devices, completions, man, help");
     let sentence = format!("there is no command 'woman' to print a manual page of; allowed are: {allowed}");
     assert_eq!(stderr, format!("nephroid: {sentence}\n"));
     let stderr = folder.refused(folder.command(["completions", "crab"]), 2);
