@@ -60,10 +60,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     teller.tell_device(&renderer);
     teller.warn(&device.warnings());
 
-    let done = render(&mut renderer, args)?;
+    let (done, kernels) = render(&mut renderer, args)?;
     let Picture { mut image, stats } = renderer.finish()?;
-    // One of fewer samples is not what was asked for.
-    if done == renderer.samples() {
+    // One of fewer samples, or by kernels from elsewhere, is not what was asked for.
+    if done == renderer.samples() && kernels == Kernels::BuiltIn {
         request.mark(&mut image);
     }
     interrupt::spare(|| {
@@ -81,16 +81,27 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     Ok(if done < renderer.samples() { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
-/// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
-fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<u32, RenderCommandError> {
+/// What a picture was made by.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kernels {
+    BuiltIn,
+    /// At least one was swapped in while the program ran.
     #[cfg(feature = "hot-reload")]
-    let mut watch = watch::Watch::new(args, renderer)?;
+    Reloaded,
+}
+
+/// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
+fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<(u32, Kernels), RenderCommandError> {
+    let kernels = Kernels::BuiltIn;
+    #[cfg(feature = "hot-reload")]
+    let (mut kernels, mut watch) = (kernels, watch::Watch::new(args, renderer)?);
     interrupt::catch();
     let mut display = Display::new(renderer.samples(), args.picture.quiet);
     let mut done = 0;
     while done < renderer.samples() && !(interrupt::came() && done > 0) {
         #[cfg(feature = "hot-reload")]
         if watch.poll(renderer, &display)? {
+            kernels = Kernels::Reloaded;
             display.finish();
             display = Display::new(renderer.samples(), args.picture.quiet);
         }
@@ -99,7 +110,7 @@ fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<u32, RenderComma
         done = progress.done;
     }
     display.finish();
-    Ok(done)
+    Ok((done, kernels))
 }
 
 fn tell_result(teller: &Teller, done: u32, samples: u32, time: Duration) {
