@@ -13,9 +13,9 @@ use crate::technique::Settings;
 pub const ATTRIBUTE: &str = "nephroid.request";
 
 /// A hash of everything that decides a picture's content but for the frame's number: the scene with all files it is
-/// made of, the frame rate where anything moves, size, samples, seed, technique and settings, and this program's version
-/// and kernels. Exposure and tone curve count, though an EXR file is the same without them: a PNG beside it is not.
-/// Device and tier are left out: they change roundings.
+/// made of, the frame rate where anything moves, size, samples, seed, technique and settings, and this program's
+/// version and kernels. Exposure and tone curve count, though an EXR file is the same without them: a PNG beside it is
+/// not. Device and tier are left out: they change roundings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Request(String);
 

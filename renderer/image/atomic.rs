@@ -41,7 +41,8 @@ pub fn write(path: &Path, produce: impl FnOnce(&mut dyn WriteSeek) -> Result<(),
     Ok(())
 }
 
-/// As [`write`], for another program that writes the file: `produce` gets the temporary name, at which an empty file is.
+/// As [`write`], for another program that writes the file: `produce` gets the temporary name, at which an empty file
+/// is.
 ///
 /// # Errors
 /// [`ImageError::Write`] as [`write`]'s; those of `produce` as they are.
@@ -54,8 +55,8 @@ pub fn write_by<E: From<ImageError>>(path: &Path, produce: impl FnOnce(&Path) ->
     Ok(())
 }
 
-/// Removes the temporary files that killed programs left behind on their way to `paths`, and returns their number. Nobody
-/// may be writing these paths meanwhile.
+/// Removes the temporary files that killed programs left behind on their way to `paths`, and returns their number.
+/// Nobody may be writing these paths meanwhile.
 ///
 /// # Errors
 /// A temporary file that cannot be removed, or a folder that cannot be read; one that does not exist holds nothing.
