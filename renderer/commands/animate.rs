@@ -313,6 +313,7 @@ impl Row<'_> {
         })?;
         split.output.include(output.cost());
         split.whole = whole.cost();
+        split.untimed(&of_frame.passes);
         drop(span);
         let events = spans::drain();
         self.keep(events);
