@@ -139,6 +139,12 @@ fn outputs() {
     fails_in(&folder, "scene.toml -o folder.png", &[], "folder.png: cannot be written: it is a folder");
     let stats = "scene.toml -o kept.exr --stats";
     fails_in(&folder, &format!("{stats} folder.png"), &[], "folder.png: cannot be written: it is a folder");
+    for (options, first) in [("-o ./kept.exr", "--output"), ("--stats kept.exr", "--stats")] {
+        let second = "--output";
+        let path = if first == second { "./kept.exr" } else { "kept.exr" };
+        let sentence = format!("{path}: {first} and {second} name the same file; each needs its own");
+        fails(&format!("scene.toml -o kept.exr {options}"), &sentence);
+    }
     let sentence = "gone/stats.json: cannot be written: the folder gone does not exist";
     fails_in(&folder, &format!("{stats} gone/stats.json"), &[], sentence);
 
