@@ -393,7 +393,8 @@ impl Renderer {
             image.layers.push(motion::layer(self.size, &vectors));
         }
         image.attributes = RenderInfo {
-            scene: self.scene.path.display().to_string(),
+            // Without its folder: equal pictures are equal files, however the scene's path was spelled.
+            scene: self.scene.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             technique: self.technique_kind.name().to_string(),
             camera: self.camera.name.clone(),
             samples: self.done,

@@ -8,7 +8,7 @@ use std::time::Instant;
 use crate::stats::cpu_seconds;
 
 /// Some 400 MB; a timeline of more is of no use to anybody. What comes later is left out and counted.
-const MOST_EVENTS: usize = 4_000_000;
+pub const MOST_EVENTS: usize = 4_000_000;
 
 static RECORDING: AtomicBool = AtomicBool::new(false);
 static LEFT_OUT: AtomicU32 = AtomicU32::new(0);
@@ -52,6 +52,11 @@ pub fn recording() -> bool {
 /// What has ended since the last call, in the order of ends.
 pub fn drain() -> Vec<Event> {
     std::mem::take(&mut EVENTS.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Counts spans that were drained and found no room where they were to be kept.
+pub fn leave_out(count: usize) {
+    LEFT_OUT.fetch_add(count.try_into().unwrap_or(u32::MAX), Ordering::Relaxed);
 }
 
 /// How many spans found no room.
@@ -103,8 +108,8 @@ pub(crate) fn pass_alone(name: &str, submitted: Mark, milliseconds: f64) {
     keep(on_device(name, submitted.microseconds, 1e3 * milliseconds, cpu_seconds));
 }
 
-/// Passes of one submission that was made at `submitted` and has just been waited for. `passes`: name, begin and duration
-/// in milliseconds of the device's own clock.
+/// Passes of one submission that was made at `submitted` and has just been waited for. `passes`: name, begin and
+/// duration in milliseconds of the device's own clock.
 ///
 /// The device's clock tells nothing about the host's, so the last pass is taken to have ended now. A wait returns some
 /// microseconds after that.

@@ -283,6 +283,36 @@ fn png_is_srgb_outside_and_linear_inside() {
 }
 
 #[test]
+fn a_damaged_text_of_a_png_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.png");
+    let attributes = BTreeMap::from([("nephroid.request".to_owned(), "0123456789".to_owned())]);
+    png::write_with(&path, 2, 1, &[[0; 3]; 2], &attributes).unwrap();
+    assert_eq!(png::read_display(&path).unwrap().attributes["nephroid.request"], "0123456789");
+    let mut bytes = fs::read(&path).unwrap();
+    let at = bytes.windows(10).position(|window| window == b"0123456789").unwrap();
+    bytes[at] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    png::read_display(&path).unwrap_err();
+}
+
+#[test]
+fn long_names_that_begin_alike_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["1", "2"].map(|end| format!("{}{end}", "a".repeat(220)));
+    let paths = names.map(|name| folder.path().join(name));
+    // Written by another program that is killed meanwhile.
+    let killed = atomic::write_by(&paths[0], |temporary| {
+        fs::copy(temporary, folder.path().join("kept")).unwrap();
+        Err::<(), _>(ImageError::Write { path: temporary.to_owned(), reason: "killed".to_owned() })
+    });
+    let ImageError::Write { path: temporary, .. } = killed.unwrap_err() else { panic!("another error") };
+    fs::rename(folder.path().join("kept"), &temporary).unwrap();
+    assert_eq!(atomic::remove_stale([paths[1].as_path()]).unwrap(), 0, "another file's was taken");
+    assert_eq!(atomic::remove_stale([paths[0].as_path()]).unwrap(), 1);
+}
+
+#[test]
 fn tone_curves_hit_their_fixed_points() {
     assert_eq!(tone::to_srgb8([-1.0, f32::NAN, f32::INFINITY]), [0, 0, 255]);
     let bytes = |value: f32, stops: f32| tone::display(&[[value; 3]], stops, |colour| colour);
@@ -337,6 +367,10 @@ fn paths_that_cannot_be_written_are_told_before_the_work() {
     let taken = folder.path().join("taken.exr");
     fs::create_dir(&taken).unwrap();
     assert!(told(&taken).ends_with("taken.exr: cannot be written: it is a folder"));
+    fs::write(folder.path().join("file"), "").unwrap();
+    let within = told(&folder.path().join("file/picture.png"));
+    assert!(within.ends_with("file is not a folder"), "{within}");
+    fs::remove_file(folder.path().join("file")).unwrap();
     let nowhere = told(&folder.path().join("absent/picture.png"));
     assert!(nowhere.ends_with("absent does not exist"), "{nowhere}");
     assert_eq!(atomic::check(&folder.path().join("picture.EXR")).unwrap(), Format::Exr);

@@ -2,15 +2,14 @@
 
 mod args;
 mod cost;
+mod files;
 mod pattern;
 mod progress;
 mod resume;
 mod sequence;
 mod video;
 
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -20,16 +19,17 @@ pub use args::AnimateArgs;
 
 use super::interrupt;
 use super::output::{self, Teller, ValidationError};
+use super::places::PlaceError;
 use super::request::Request;
 use super::trace_file::TraceFile;
 use crate::gpu::Device;
-use crate::image::{Format, ImageError, atomic};
+use crate::image::{Format, ImageError};
 use crate::render::{Picture, RenderError, RenderSettings, Renderer};
 use crate::scene::{self, FilmSettings, Scene, SceneError};
 use crate::spans;
 use crate::trace::{Backend, TraceChoice};
 use cost::{SequenceStats, Split, Watch};
-use pattern::Pattern;
+use files::Files;
 use progress::Display;
 use resume::{Maker, State};
 use sequence::{Frames, Shard};
@@ -41,6 +41,8 @@ pub enum AnimateError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
+    Place(#[from] PlaceError),
+    #[error(transparent)]
     Image(#[from] ImageError),
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -50,6 +52,10 @@ pub enum AnimateError {
     Validation(#[from] ValidationError),
     #[error("{scene} does not say how many frames it has; say which to render by --frames, such as --frames 0..47")]
     Frames { scene: PathBuf },
+    #[error(
+        "{path}: all shards would write this one file for {option}; put {{shard}} into its name, for the shard's number"
+    )]
+    Shared { option: &'static str, path: PathBuf },
     #[error("the folder {path} cannot be made: {reason}")]
     Folder { path: PathBuf, reason: String },
 }
@@ -61,11 +67,11 @@ pub enum AnimateError {
 pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     let start = Instant::now();
     let common = &args.picture;
-    let outputs = outputs(&args.output)?;
-    common.stats.as_deref().map_or(Ok(()), atomic::check_place)?;
-    let video = args.video.as_deref().map(Video::new).transpose()?;
-    let mut trace_file = TraceFile::start(common.trace_file.as_deref())?;
-    if common.stats.is_some() {
+    let shard = args.shard.unwrap_or(Shard::WHOLE);
+    let files = Files::new(args, shard)?;
+    let video = files.video.as_deref().map(|path| Video::new(path, &files)).transpose()?;
+    let mut trace_file = files.trace_file.as_deref().map(TraceFile::start);
+    if files.stats.is_some() {
         spans::record();
     }
 
@@ -79,47 +85,56 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     let mut settings = common.settings(0);
     let request = Request::new(&mut scene, &settings)?;
 
-    let shard = args.shard.unwrap_or(Shard::WHOLE);
     let mine: Vec<u32> = frames.of(shard).collect();
-    check_places(&outputs, &mine)?;
-    remove_stale(&outputs, &mine, video.as_ref().filter(|_| shard == Shard::WHOLE))?;
-    let found = if args.resume { look(&outputs, &mine, &request, &teller) } else { vec![State::Missing; mine.len()] };
+    files.check_distinct(&common.scene, frames.first..=frames.last)?;
+    files.check_pictures(&mine)?;
+    interrupt::catch();
+    files.remove_stale(&mine, shard)?;
+    let found = if args.resume { look(&files, &mine, &request, &teller) } else { vec![State::Missing; mine.len()] };
     let (kept, todo): (Vec<_>, Vec<_>) =
         mine.iter().copied().zip(found).partition(|(_, s)| matches!(s, State::Kept(_)));
     adopt_backend(&mut settings, &kept);
 
     let (fps, film) = (scene.animation.fps, scene.film.clone());
     let mut stats = SequenceStats::new(frames, fps, shard, kept.iter().map(|(frame, _)| *frame).collect());
-    let mut row =
-        Row { args, outputs: &outputs, request: &request, teller: &mut teller, trace_file: trace_file.as_mut() };
+    if todo.is_empty() {
+        warn_of_makers(&mut teller, None, &kept);
+    }
+    let mut row = Row { args, files: &files, request: &request, teller: &mut teller, trace_file: trace_file.as_mut() };
     let todo: Vec<u32> = todo.into_iter().map(|(frame, _)| frame).collect();
     let mut done = 0;
     let mut device = None;
-    if !todo.is_empty() {
+    if todo.is_empty() || interrupt::came() {
+        // A report may be all that goes there.
+        files.make_folders()?;
+    } else {
         (done, device) = row.render(scene, &settings, shard, &todo, &kept, &mut stats)?;
     }
 
     // Ctrl-C during the last frame is meant for the video.
     let mut stopped = done < todo.len() || video.is_some() && interrupt::came();
     let mut written: Vec<PathBuf> = Vec::new();
-    if let Some(path) = &common.stats {
+    if let Some(path) = &files.stats {
         stats.finish(start.elapsed().as_secs_f64());
         interrupt::spare(|| output::write_json(path, &stats))?;
         written.push(path.clone());
     }
+    let mut made = Ok(None);
     if let (Some(video), false) = (&video, stopped) {
-        let made = make_video(video, (frames, shard), &outputs, &request, (fps, &film), &teller);
-        // A terminal sends Ctrl-C to ffmpeg too.
-        stopped = matches!(made, Err(VideoError::Ffmpeg { .. })) && interrupt::came();
-        written.extend(if stopped { None } else { made? });
+        made = make_video(video, (frames, shard), &files, &request, (fps, &film), &teller);
+        // A terminal sends Ctrl-C to ffmpeg too, which then complains.
+        if interrupt::came() && matches!(made, Err(VideoError::Ffmpeg { .. } | VideoError::Stopped { .. })) {
+            (stopped, made) = (true, Ok(None));
+        }
     }
     if let Some(file) = trace_file {
         let name = device.as_ref().map_or("none was needed", |device: &Device| device.info.name.as_str());
-        written.push(file.write(name)?);
+        written.push(interrupt::spare(|| file.write(name))?);
     }
+    written.extend(made?);
     tell_end(&teller, start, (todo.len() - done, done, mine.len()), stopped);
     if done > 0 {
-        outputs.iter().for_each(|(pattern, _)| teller.tell(format_args!("Wrote   {}", pattern.absolute())));
+        files.pictures.iter().for_each(|(pattern, _)| teller.tell(format_args!("Wrote   {}", pattern.absolute())));
     }
     written.iter().for_each(|path| teller.tell_file(path));
     device.as_ref().map_or(Ok(()), output::refuse_validation_messages)?;
@@ -140,14 +155,14 @@ fn tell_end(teller: &Teller, start: Instant, frames: (usize, usize, usize), stop
 fn make_video(
     video: &Video,
     (frames, shard): (Frames, Shard),
-    outputs: &[(Pattern, Format)],
+    files: &Files,
     request: &Request,
     (fps, film): (f64, &FilmSettings),
     teller: &Teller,
 ) -> Result<Option<PathBuf>, VideoError> {
     let all: Vec<u32> = frames.of(Shard::WHOLE).collect();
     if shard != Shard::WHOLE {
-        let states = resume::look(outputs, &all, request);
+        let states = resume::look(&files.pictures, &all, request);
         let missing = states.iter().filter(|state| !matches!(state, State::Kept(_))).count();
         if missing > 0 {
             teller.tell(format_args!("No video yet: {missing} frames of other shards are not there"));
@@ -155,59 +170,17 @@ fn make_video(
         }
     }
     // A PNG need not be tone-mapped again.
-    let png = outputs.iter().find(|(_, format)| *format == Format::Png);
-    if let Some(source) = png.or(outputs.first()) {
-        video.make(source, all.into_iter(), fps, film)?;
+    let png = files.pictures.iter().find(|(_, format)| *format == Format::Png);
+    if let Some(source) = png.or(files.pictures.first()) {
+        interrupt::spare(|| video.make(source, all.into_iter(), fps, film))?;
     }
     Ok(Some(video.path().to_owned()))
 }
 
-fn outputs(patterns: &[Pattern]) -> Result<Vec<(Pattern, Format)>, ImageError> {
-    patterns.iter().map(|pattern| Ok((pattern.clone(), Format::of(&pattern.path(0))?))).collect()
-}
-
-/// Sees that files can be written where their folder is there already.
-fn check_places(outputs: &[(Pattern, Format)], frames: &[u32]) -> Result<(), ImageError> {
-    for (pattern, _) in outputs {
-        let mut paths = frames.iter().map(|&frame| pattern.path(frame));
-        let taken = paths.clone().find(|path| path.is_dir());
-        if let Some(path) = taken.or_else(|| paths.next())
-            && folder_of(&path).exists()
-        {
-            atomic::check_place(&path)?;
-        }
-    }
-    Ok(())
-}
-
-/// Makes the folders that are not there.
-fn make_folders(outputs: &[(Pattern, Format)]) -> Result<(), AnimateError> {
-    for (pattern, _) in outputs {
-        let path = pattern.path(0);
-        let folder = folder_of(&path);
-        let failed =
-            |error: io::Error| AnimateError::Folder { path: folder.to_owned(), reason: error.kind().to_string() };
-        fs::create_dir_all(folder).map_err(failed)?;
-    }
-    Ok(())
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// Removes what killed runs left of these files. The video of a shard may be another shard's work just now.
-fn remove_stale(outputs: &[(Pattern, Format)], frames: &[u32], video: Option<&Video>) -> Result<(), ImageError> {
-    let paths = outputs.iter().flat_map(|(pattern, _)| frames.iter().map(|&frame| pattern.path(frame)));
-    let paths: Vec<PathBuf> = paths.chain(video.map(|video| video.path().to_owned())).collect();
-    atomic::remove_stale(paths.iter().map(PathBuf::as_path))?;
-    Ok(())
-}
-
 /// What `--resume` finds, told in one line.
-fn look(outputs: &[(Pattern, Format)], frames: &[u32], request: &Request, teller: &Teller) -> Vec<State> {
+fn look(files: &Files, frames: &[u32], request: &Request, teller: &Teller) -> Vec<State> {
     let span = spans::span("look at frames");
-    let states = resume::look(outputs, frames, request);
+    let states = resume::look(&files.pictures, frames, request);
     drop(span);
     let count = |wanted: fn(&State) -> bool| states.iter().filter(|state| wanted(state)).count();
     let parts = [
@@ -229,16 +202,34 @@ fn adopt_backend(settings: &mut RenderSettings, kept: &[(u32, State)]) {
         match Backend::ALL.into_iter().find(of) {
             Some(Backend::Cwbvh) => settings.trace = TraceChoice::Cwbvh,
             Some(Backend::Bvh2) => settings.trace = TraceChoice::Bvh2,
-            // It may not be there on this device, and `auto` then does without.
+            // Whether this device has it is not known yet: `auto` measures again, and if it decides otherwise, a
+            // warning says so.
             Some(Backend::RayQuery) | None => {}
         }
+    }
+}
+
+/// Bits are promised for one device and tier. `now`: those of the frames that are to be made.
+fn warn_of_makers(teller: &mut Teller, now: Option<&Maker>, kept: &[(u32, State)]) {
+    let makers = kept.iter().filter_map(|(_, state)| match state {
+        State::Kept(maker) => Some(maker),
+        _ => None,
+    });
+    let Some(usual) = now.or(makers.clone().next()) else { return };
+    let others: Vec<&Maker> = makers.filter(|maker| *maker != usual).collect();
+    if let Some(Maker { device, tier }) = others.first() {
+        let than = if now.is_some() { "those made now" } else { "the first" };
+        teller.warn(&[format!(
+            "{} of the frames that are kept come from {device}, {tier}, and differ from {than} by roundings",
+            others.len()
+        )]);
     }
 }
 
 /// What rendering a row of frames goes by.
 struct Row<'a> {
     args: &'a AnimateArgs,
-    outputs: &'a [(Pattern, Format)],
+    files: &'a Files,
     request: &'a Request,
     teller: &'a mut Teller,
     trace_file: Option<&'a mut TraceFile>,
@@ -255,18 +246,21 @@ impl Row<'_> {
         kept: &[(u32, State)],
         stats: &mut SequenceStats,
     ) -> Result<(usize, Option<Device>), AnimateError> {
-        // Structures are built for frame 0 and fitted to every other, so that they do not depend on where a row starts.
+        // Structures are built for frame 0 and fitted to every other, so that they do not depend on where a row
+        // starts.
         let mut renderer = Renderer::new(scene, settings)?;
         let device = renderer.device().clone();
         self.teller.tell_device(&renderer);
         self.teller.warn(&device.warnings());
-        self.warn_of_makers(&renderer, shard, settings, kept);
-        make_folders(self.outputs)?;
-        check_places(self.outputs, frames)?;
+        self.teller.tell_late_start(renderer.scene(), frames.first().copied().unwrap_or_default());
+        let now = Maker { device: device.info.describe(), tier: renderer.tier() };
+        warn_of_makers(self.teller, Some(&now), kept);
+        self.warn_of_shards(&device, shard, settings);
+        self.files.make_folders()?;
+        self.files.check_pictures(frames)?;
         let setup = spans::drain();
         self.keep(setup);
 
-        interrupt::catch();
         let mut display = Display::new(frames.len(), renderer.samples(), self.args.picture.quiet);
         let mut done = 0;
         for &frame in frames {
@@ -307,12 +301,14 @@ impl Row<'_> {
         self.request.mark(&mut image);
         interrupt::spare(|| {
             let film = &renderer.scene().film;
-            self.outputs
+            self.files
+                .pictures
                 .iter()
                 .try_for_each(|(pattern, format)| output::write(&pattern.path(frame), *format, &image, film))
         })?;
         split.output.include(output.cost());
         split.whole = whole.cost();
+        split.untimed(&of_frame.passes);
         drop(span);
         let events = spans::drain();
         self.keep(events);
@@ -331,27 +327,8 @@ impl Row<'_> {
         }
     }
 
-    /// Bits are promised for one device and tier.
-    fn warn_of_makers(&mut self, renderer: &Renderer, shard: Shard, settings: &RenderSettings, kept: &[(u32, State)]) {
-        let now = Maker { device: renderer.device().info.describe(), tier: renderer.tier() };
-        let others: Vec<&Maker> = kept
-            .iter()
-            .filter_map(|(_, state)| match state {
-                State::Kept(maker) if *maker != now => Some(maker),
-                _ => None,
-            })
-            .collect();
-        if let Some(maker) = others.first() {
-            let Maker { device, tier } = maker;
-            self.teller.warn(&[format!(
-                "{} of the frames that are kept come from {device}, {tier}, and differ from those made now by roundings",
-                others.len()
-            )]);
-        }
-        if shard != Shard::WHOLE
-            && settings.trace == TraceChoice::Auto
-            && Backend::RayQuery.available(renderer.device())
-        {
+    fn warn_of_shards(&mut self, device: &Device, shard: Shard, settings: &RenderSettings) {
+        if shard != Shard::WHOLE && settings.trace == TraceChoice::Auto && Backend::RayQuery.available(device) {
             let choice =
                 "each shard measures for itself how rays are traced; name one way by --trace where bits must agree";
             self.teller.warn(&[choice.to_owned()]);

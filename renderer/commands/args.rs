@@ -29,7 +29,8 @@ pub struct PictureArgs {
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// Samples a pixel, 1 to 1000000 [default: the scene's]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
     pub samples: Option<u32>,
     /// Spend the samples where pixels vary; --samples is then their mean number
     #[arg(long)]

@@ -29,7 +29,8 @@ pub fn came() -> bool {
     STATE.load(Ordering::Relaxed) & !WRITING != 0
 }
 
-/// Does what must not be cut short, so that no temporary file is left behind: a second Ctrl-C ends the program after it.
+/// Does what must not be cut short, so that no temporary file is left behind: a second Ctrl-C ends the program after
+/// it.
 pub fn spare<T>(work: impl FnOnce() -> T) -> T {
     STATE.fetch_or(WRITING, Ordering::Relaxed);
     let result = work();

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod devices;
 mod interrupt;
 mod output;
+mod places;
 mod progress;
 pub mod render;
 mod request;

@@ -11,7 +11,8 @@ use crate::display::Look;
 use crate::gpu::Device;
 use crate::image::{self, Format, ImageError, LayeredImage, atomic};
 use crate::render::Renderer;
-use crate::scene::FilmSettings;
+use crate::scene::animation::{Water, WaterMotion};
+use crate::scene::{FilmSettings, Scene};
 use crate::spans;
 
 /// The validation layers found something.
@@ -84,6 +85,14 @@ impl Teller {
         self.tell(format_args!("Driver  {} {}, Vulkan {}", info.driver, info.driver_version, info.vulkan));
         self.tell(format_args!("Tier    {}", renderer.tier()));
         self.tell(format_args!("{}", renderer.trace_choice()));
+    }
+
+    /// Where `frame` is the first that is shown: simulated water has to come to it first.
+    pub fn tell_late_start(&self, scene: &Scene, frame: u32) {
+        let simulated = |water: &Water| matches!(water.motion, WaterMotion::Simulated(_));
+        if frame > 0 && scene.animation.waters.iter().any(simulated) {
+            self.tell(format_args!("Water   simulated from time 0 on to reach frame {frame}"));
+        }
     }
 
     pub fn tell_file(&self, path: &Path) {

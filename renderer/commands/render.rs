@@ -11,8 +11,10 @@ use thiserror::Error;
 
 pub use args::RenderArgs;
 
+use super::args::PictureArgs;
 use super::interrupt;
 use super::output::{self, Teller, ValidationError};
+use super::places::{self, PlaceError};
 use super::progress::Display;
 use super::request::Request;
 use super::trace_file::TraceFile;
@@ -26,6 +28,8 @@ use crate::spans;
 pub enum RenderCommandError {
     #[error(transparent)]
     Scene(#[from] SceneError),
+    #[error(transparent)]
+    Place(#[from] PlaceError),
     #[error(transparent)]
     Image(#[from] ImageError),
     #[error(transparent)]
@@ -44,8 +48,13 @@ pub enum RenderCommandError {
 pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     let start = Instant::now();
     let formats = args.output.iter().map(|path| atomic::check(path)).collect::<Result<Vec<_>, _>>()?;
-    args.picture.stats.as_deref().map_or(Ok(()), atomic::check_place)?;
-    let trace_file = TraceFile::start(args.picture.trace_file.as_deref())?;
+    let PictureArgs { scene, stats, trace_file, .. } = &args.picture;
+    stats.iter().chain(trace_file).try_for_each(|path| atomic::check_place(path))?;
+    let reports = [("--stats", stats), ("--trace-file", trace_file)];
+    let reports = reports.into_iter().filter_map(|(option, path)| Some((option, path.clone()?)));
+    let pictures = args.output.iter().map(|path| ("--output", path.clone()));
+    places::distinct([("the scene", scene.clone())].into_iter().chain(reports).chain(pictures))?;
+    let trace_file = trace_file.as_deref().map(TraceFile::start);
 
     let span = spans::span("load scene");
     let mut scene = scene::load(&args.picture.scene)?;
@@ -59,11 +68,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     let device = renderer.device().clone();
     teller.tell_device(&renderer);
     teller.warn(&device.warnings());
+    teller.tell_late_start(renderer.scene(), args.frame);
 
-    let done = render(&mut renderer, args)?;
+    let (done, kernels) = render(&mut renderer, args)?;
     let Picture { mut image, stats } = renderer.finish()?;
-    // One of fewer samples is not what was asked for.
-    if done == renderer.samples() {
+    // One of fewer samples, or by kernels from elsewhere, is not what was asked for.
+    if done == renderer.samples() && kernels == Kernels::BuiltIn {
         request.mark(&mut image);
     }
     interrupt::spare(|| {
@@ -72,7 +82,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
         }
         args.picture.stats.as_deref().map_or(Ok(()), |path| output::write_json(path, &stats))
     })?;
-    let trace_file = trace_file.map(|file| file.write(&device.info.name)).transpose()?;
+    let trace_file = trace_file.map(|file| interrupt::spare(|| file.write(&device.info.name))).transpose()?;
 
     teller.warn(&stats.warnings);
     tell_result(&teller, done, renderer.samples(), start.elapsed());
@@ -81,16 +91,27 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
     Ok(if done < renderer.samples() { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
-/// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
-fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<u32, RenderCommandError> {
+/// What a picture was made by.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kernels {
+    BuiltIn,
+    /// At least one was swapped in while the program ran.
     #[cfg(feature = "hot-reload")]
-    let mut watch = watch::Watch::new(args, renderer)?;
+    Reloaded,
+}
+
+/// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
+fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<(u32, Kernels), RenderCommandError> {
+    let kernels = Kernels::BuiltIn;
+    #[cfg(feature = "hot-reload")]
+    let (mut kernels, mut watch) = (kernels, watch::Watch::new(args, renderer)?);
     interrupt::catch();
     let mut display = Display::new(renderer.samples(), args.picture.quiet);
     let mut done = 0;
     while done < renderer.samples() && !(interrupt::came() && done > 0) {
         #[cfg(feature = "hot-reload")]
         if watch.poll(renderer, &display)? {
+            kernels = Kernels::Reloaded;
             display.finish();
             display = Display::new(renderer.samples(), args.picture.quiet);
         }
@@ -99,7 +120,7 @@ fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<u32, RenderComma
         done = progress.done;
     }
     display.finish();
-    Ok(done)
+    Ok((done, kernels))
 }
 
 fn tell_result(teller: &Teller, done: u32, samples: u32, time: Duration) {

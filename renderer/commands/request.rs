@@ -12,9 +12,10 @@ use crate::technique::Settings;
 /// The attribute that holds it in pictures.
 pub const ATTRIBUTE: &str = "nephroid.request";
 
-/// A hash of everything the user asked for that decides a picture's content but for the frame's number: the scene with all
-/// files it is made of, the frame rate, size, samples, seed, technique and settings, and this program's version. Device
-/// and tier are left out: they change roundings.
+/// A hash of everything that decides a picture's content but for the frame's number: the scene with all files it is
+/// made of, the frame rate where anything moves, size, samples, seed, technique and settings, and this program's
+/// version and kernels. Exposure and tone curve count, though an EXR file is the same without them: a PNG beside it is
+/// not. Device and tier are left out: they change roundings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Request(String);
 
@@ -25,13 +26,21 @@ impl Request {
     /// Settings that are not allowed.
     pub fn new(scene: &mut Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut hash = Fnv::new();
-        // The large parts go in as bytes. All else goes in as its debug text, which leaves out nothing that a scene may get
-        // in future; where the file lies, what was mended and how many frames there are is no part of a picture.
+        for kernel in nephroid_kernels::KERNELS {
+            hash.text(format_args!("{} {} {}", kernel.name, kernel.stage, kernel.variant));
+            hash.part(kernel.spirv);
+        }
+        // The large parts go in as bytes. All else goes in as its debug text, which leaves out nothing that a scene may
+        // get in future; where the file lies, what was mended and how many frames there are is no part of a picture.
         let (path, warnings) = (take(&mut scene.path), take(&mut scene.warnings));
         let (meshes, textures, film) = (take(&mut scene.meshes), take(&mut scene.textures), scene.film.clone());
         (scene.film.width, scene.film.height) = settings.size.unwrap_or((film.width, film.height));
         scene.film.samples = settings.samples.unwrap_or(film.samples);
-        let frames = take(&mut scene.animation.frames);
+        let animation = scene.animation.clone();
+        scene.animation.frames = None;
+        if !animation.moves() {
+            scene.animation.fps = 0.0;
+        }
         hash.text(format_args!("{SOFTWARE} {scene:?}"));
         for mesh in &meshes {
             hash.part(bytemuck::cast_slice(&mesh.positions));
@@ -45,7 +54,7 @@ impl Request {
         }
         (scene.path, scene.warnings, scene.meshes, scene.textures, scene.film) =
             (path, warnings, meshes, textures, film);
-        scene.animation.frames = frames;
+        scene.animation = animation;
 
         let first = scene.cameras.first().map(|camera| camera.name.clone());
         let camera = settings.camera.clone().or(first).unwrap_or_default();

@@ -16,22 +16,23 @@ const DEVICE: u32 = 2;
 pub struct TraceFile {
     path: PathBuf,
     events: Vec<Event>,
+    /// For so many more.
+    room: usize,
 }
 
 impl TraceFile {
-    /// Keeps spans from now on, where a file is asked for.
-    ///
-    /// # Errors
-    /// [`ImageError::Write`] where no file can be written at `path`.
-    pub fn start(path: Option<&Path>) -> Result<Option<TraceFile>, ImageError> {
-        let Some(path) = path else { return Ok(None) };
-        atomic::check_place(path)?;
+    /// Keeps spans from now on, for a file at `path`.
+    pub fn start(path: &Path) -> TraceFile {
         spans::record();
-        Ok(Some(TraceFile { path: path.to_owned(), events: Vec::new() }))
+        TraceFile { path: path.to_owned(), events: Vec::new(), room: spans::MOST_EVENTS }
     }
 
+    /// Keeps `events` too, as many as there is room for: a sequence may be longer than memory.
     pub fn extend(&mut self, events: Vec<Event>) {
-        self.events.extend(events);
+        let kept = events.len().min(self.room);
+        self.room -= kept;
+        spans::leave_out(events.len() - kept);
+        self.events.extend(events.into_iter().take(kept));
     }
 
     /// Writes what was kept up to now. `device`: its name.
@@ -39,7 +40,7 @@ impl TraceFile {
     /// # Errors
     /// [`ImageError::Write`].
     pub fn write(mut self, device: &str) -> Result<PathBuf, ImageError> {
-        self.events.extend(spans::drain());
+        self.extend(spans::drain());
         atomic::write(&self.path, |output| {
             write_events(output, &self.events, device).map_err(|error| error.to_string())
         })?;
@@ -95,4 +96,26 @@ fn complete(event: &Event) -> Value {
         "ph": "X", "name": event.name, "cat": category, "pid": process, "tid": thread,
         "ts": event.start, "dur": event.duration, "args": args,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_timeline_has_an_end() {
+        let event = Event {
+            name: String::new(),
+            detail: None,
+            track: Track::Device,
+            start: 0.0,
+            duration: 1.0,
+            cpu_seconds: None,
+        };
+        let mut file = TraceFile { path: PathBuf::new(), events: Vec::new(), room: 2 };
+        let before = spans::left_out();
+        file.extend(vec![event.clone()]);
+        file.extend(vec![event; 3]);
+        assert_eq!((file.events.len(), spans::left_out() - before), (2, 2));
+    }
 }

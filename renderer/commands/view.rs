@@ -62,7 +62,8 @@ pub struct ViewArgs {
     /// A picture (.exr or .png) that errors are measured against
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    #[arg(long, value_name = "FILE", help = "Let the window go through the steps of a file by itself", long_help = script_help())]
+    #[arg(long, value_name = "FILE", long_help = script_help())]
+    #[arg(help = "Let the window go through the steps of a file by itself")]
     pub script: Option<PathBuf>,
     /// Run under the Vulkan validation layers, and fail if they find something
     #[arg(long)]

@@ -15,7 +15,8 @@ const PREFIX: &str = ".nephroid-";
 const SUFFIX: &str = ".part";
 const RANDOM: usize = 6;
 
-/// Bytes of a file's name in its temporary one at most: file systems allow 255 in all.
+/// Bytes of a file's name in its temporary one at most: file systems allow 255 in all. A longer one is cut, and gets a
+/// hash of the whole.
 const LONGEST_NAME: usize = 200;
 
 /// What `produce` writes to.
@@ -40,7 +41,8 @@ pub fn write(path: &Path, produce: impl FnOnce(&mut dyn WriteSeek) -> Result<(),
     Ok(())
 }
 
-/// As [`write`], for another program that writes the file: `produce` gets the temporary name, at which an empty file is.
+/// As [`write`], for another program that writes the file: `produce` gets the temporary name, at which an empty file
+/// is.
 ///
 /// # Errors
 /// [`ImageError::Write`] as [`write`]'s; those of `produce` as they are.
@@ -53,8 +55,8 @@ pub fn write_by<E: From<ImageError>>(path: &Path, produce: impl FnOnce(&Path) ->
     Ok(())
 }
 
-/// Removes the temporary files that killed programs left behind on their way to `paths`, and returns their number. Nobody
-/// may be writing these paths meanwhile.
+/// Removes the temporary files that killed programs left behind on their way to `paths`, and returns their number.
+/// Nobody may be writing these paths meanwhile.
 ///
 /// # Errors
 /// A temporary file that cannot be removed, or a folder that cannot be read; one that does not exist holds nothing.
@@ -123,8 +125,15 @@ fn folder_of(target: &Path) -> PathBuf {
 
 fn temporary_prefix(target: &Path) -> String {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
-    let end = (0..=name.len().min(LONGEST_NAME)).rev().find(|end| name.is_char_boundary(*end)).unwrap_or(0);
-    format!("{PREFIX}{}-", &name[..end])
+    if name.len() <= LONGEST_NAME {
+        return format!("{PREFIX}{name}-");
+    }
+    let end = (0..=LONGEST_NAME).rev().find(|end| name.is_char_boundary(*end)).unwrap_or(0);
+    format!("{PREFIX}{}~{:016x}-", &name[..end], fnv_1a(name.as_bytes()))
+}
+
+fn fnv_1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 fn temporary_beside(target: &Path) -> Result<NamedTempFile, String> {
@@ -132,6 +141,9 @@ fn temporary_beside(target: &Path) -> Result<NamedTempFile, String> {
         return Err("it is a folder".to_owned());
     }
     let folder = folder_of(target);
+    if folder.exists() && !folder.is_dir() {
+        return Err(format!("{} is not a folder", folder.display()));
+    }
     if !folder.is_dir() {
         return Err(format!("the folder {} does not exist", folder.display()));
     }

@@ -6,7 +6,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageReader};
-use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
+use ::png::{BitDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Filter};
 
 use super::openexr::SOFTWARE;
 use super::tone::srgb_to_linear;
@@ -98,7 +98,10 @@ pub fn read_display(path: &Path) -> Result<DisplayImage, ImageError> {
     let failed = |reason: String| ImageError::Read { path: path.to_owned(), reason };
     let broken = |error: ::png::DecodingError| failed(error.to_string());
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
-    let mut reader = Decoder::new(BufReader::new(file)).read_info().map_err(broken)?;
+    let mut options = DecodeOptions::default();
+    // A damaged text is no text of another request.
+    options.set_skip_ancillary_crc_failures(false);
+    let mut reader = Decoder::new_with_options(BufReader::new(file), options).read_info().map_err(broken)?;
     if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) {
         return Err(failed("it is no picture of 8-bit RGB".to_owned()));
     }

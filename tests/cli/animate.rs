@@ -224,15 +224,9 @@ fn stats_split_each_frame() {
 #[cfg(unix)]
 #[test]
 fn a_video_is_made_of_all_frames() {
-    use std::os::unix::fs::PermissionsExt;
     let folder = moving();
-    // Stands for ffmpeg: keeps the pictures that it is given, and what it was told.
-    fs::create_dir(folder.at("bin")).unwrap();
-    let script =
-        "#!/bin/sh\nfor last; do :; done\n[ \"$last\" = -encoders ] && exit\necho \"$*\" >told\ncat >\"$last\"\n";
-    fs::write(folder.at("bin/ffmpeg"), script).unwrap();
-    fs::set_permissions(folder.at("bin/ffmpeg"), fs::Permissions::from_mode(0o755)).unwrap();
-    let path = format!("{}:{}", folder.at("bin").display(), std::env::var("PATH").unwrap());
+    // Keeps the pictures that it is given, and what it was told.
+    let path = ffmpeg(&folder, "[ \"$last\" = -encoders ] && exit\necho \"$*\" >told\ncat >\"$last\"");
     let run = |options: &str| {
         let options = format!("animate scene.toml --frames 0..2 {NONE} --fps 12.5 --video v.mp4 {options}");
         let outcome = Outcome::of(folder.command(options.split_whitespace()).env("PATH", &path).output().unwrap());
@@ -250,6 +244,93 @@ fn a_video_is_made_of_all_frames() {
     fs::remove_file(folder.at("v.mp4")).unwrap();
     run("-o f_%d.exr");
     assert!(fs::read(folder.at("v.mp4")).unwrap() == wanted, "the video of EXR files is of other pictures");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_ffmpeg_that_does_not_run_is_noticed_at_once() {
+    let folder = moving();
+    let path = ffmpeg(&folder, "exit 3");
+    let mut command = animate(&folder, &format!("--frames 0..1 {NONE} -o f_%d.png --video v.mp4"));
+    let stderr = folder.refused(
+        {
+            command.env("PATH", path);
+            command
+        },
+        1,
+    );
+    let program = folder.at("bin/ffmpeg");
+    let sentence = format!("--video needs the program ffmpeg, and {} does not run: exit status: 3", program.display());
+    assert_eq!(stderr, format!("nephroid: {sentence}; mend it, or leave --video out\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_half_video() {
+    let folder = moving();
+    folder.run(&format!("animate scene.toml --frames 0..1 {NONE} -o f_%d.png"));
+    // Says that it has begun, and does not end by itself.
+    let path = ffmpeg(&folder, "[ \"$last\" = -encoders ] && exit\necho begun >told\nexec sleep 600");
+    let options = "animate scene.toml --frames 0..1 --technique none --trace bvh -o f_%d.png --video v.mp4 --resume";
+    let mut command = folder.command(options.split_whitespace());
+    let command = command.env("PATH", path).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    while !folder.at("told").exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let outcome = interrupt(child);
+    assert_eq!(outcome.status, Some(130), "{}", outcome.stderr);
+    let said = "Stopped by Ctrl-C: the video is left; the same command with --resume goes on";
+    assert!(outcome.stdout.lines().any(|l| l == said), "'{said}' is not in\n{}", outcome.stdout);
+    assert_eq!(folder.files(), ["bin", "f_0.png", "f_1.png", "scene.toml", "told"]);
+}
+
+/// Puts a shell script in the place of ffmpeg, in which `last` is the last argument, and returns the PATH to find it.
+#[cfg(unix)]
+fn ffmpeg(folder: &Folder, script: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    fs::create_dir(folder.at("bin")).unwrap();
+    fs::write(folder.at("bin/ffmpeg"), format!("#!/bin/sh\nfor last; do :; done\n{script}\n")).unwrap();
+    fs::set_permissions(folder.at("bin/ffmpeg"), fs::Permissions::from_mode(0o755)).unwrap();
+    format!("{}:{}", folder.at("bin").display(), std::env::var("PATH").unwrap())
+}
+
+#[test]
+fn reports_go_into_the_folder_of_the_frames() {
+    let folder = moving();
+    let run = |options: &str| {
+        folder.run(&format!("animate scene.toml --frames 0..1 {NONE} -o new/f_%d.png {options}"));
+    };
+    let reports = "--stats new/s_{shard}.json --trace-file new/t_{shard}.json";
+    run(&format!("--shard 3/3 {reports}"));
+    assert_eq!(names(&files(&folder, "new")), ["s_3.json", "t_3.json"], "of a shard without frames");
+    // What a killed run left.
+    let stale = folder.at("new/.nephroid-s_1.json-a1B2c3.part");
+    fs::write(&stale, "cut short").unwrap();
+    run(reports);
+    let wanted = ["f_0.png", "f_1.png", "s_1.json", "s_3.json", "t_1.json", "t_3.json"];
+    assert_eq!(names(&files(&folder, "new")), wanted);
+}
+
+#[test]
+fn what_was_not_timed_is_not_reported_as_nothing() {
+    let folder = moving();
+    folder.run(&format!("animate scene.toml --frames 0..1 {NONE} -o f_%d.png --stats s.json --disable timestamps"));
+    let stats: serde_json::Value = serde_json::from_slice(&fs::read(folder.at("s.json")).unwrap()).unwrap();
+    for split in [&stats["total"], &stats["frames"][1]["split"]] {
+        assert!(split["frame"]["milliseconds"].is_null() && split["frame"]["cpu_seconds"].is_null(), "{split}");
+        assert!(split["whole"]["milliseconds"].as_f64() > Some(0.0), "{split}");
+    }
+}
+
+#[test]
+fn a_scene_is_the_same_by_another_path() {
+    let folder = moving();
+    fs::create_dir(folder.at("sub")).unwrap();
+    for (scene, at) in [("scene.toml", "a"), ("sub/../scene.toml", "b")] {
+        folder.run(&format!("animate {scene} --frames 1 {NONE} -o {at}/f_%d.exr"));
+    }
+    assert!(files(&folder, "a") == files(&folder, "b"), "the path's spelling is in the file");
 }
 
 fn animate(folder: &Folder, arguments: &str) -> Command {
@@ -316,6 +397,25 @@ fn what_cannot_be_done_is_refused_before_the_first_frame() {
     fails("-o new/f_%d.png --camera side", "scene.toml has no camera \"side\"; it has: above, under");
     fails("-o f_%d.exr --stats gone/s.json", "gone/s.json: cannot be written: the folder gone does not exist");
     fails("-o f_%d.exr --trace-file gone/t.json", "gone/t.json: cannot be written: the folder gone does not exist");
+    fs::write(folder.at("file"), "").unwrap();
+    fails("-o file/f_%d.exr", "file/f_0.exr: cannot be written: file is not a folder");
+    for (arguments, path, first, second) in [
+        ("-o f_%d.png -o ./f_%02d.png --frames 9..10", "./f_10.png", "--output", "--output"),
+        ("-o f_%d.png --stats s.json --trace-file ./s.json", "./s.json", "--stats", "--trace-file"),
+        ("-o f_%d.png --stats scene.toml", "scene.toml", "the scene", "--stats"),
+        // A frame of another shard.
+        ("-o f_%d.png --trace-file f_{shard}.png --shard 2/3", "f_2.png", "--trace-file", "--output"),
+    ] {
+        let frames = if arguments.contains("--frames") { "" } else { "--frames 0..2" };
+        let stderr = folder.refused(animate(&folder, &format!("{frames} {arguments}")), 1);
+        let sentence = format!("{path}: {first} and {second} name the same file; each needs its own");
+        assert_eq!(stderr, format!("nephroid: {sentence}\n"), "{arguments}");
+    }
+    for option in ["--stats", "--trace-file"] {
+        let sentence = "all shards would write this one file for";
+        let rest = "put {shard} into its name, for the shard's number";
+        fails(&format!("-o f_%d.exr --shard 1/2 {option} s.json"), &format!("s.json: {sentence} {option}; {rest}"));
+    }
     fails("-o f_%d.exr --video v.avi", "v.avi: a video is an MP4 file; give it a name that ends in .mp4");
 
     let mut command = animate(&folder, "--frames 0..1 -o f_%d.exr --video v.mp4");

@@ -139,6 +139,12 @@ fn outputs() {
     fails_in(&folder, "scene.toml -o folder.png", &[], "folder.png: cannot be written: it is a folder");
     let stats = "scene.toml -o kept.exr --stats";
     fails_in(&folder, &format!("{stats} folder.png"), &[], "folder.png: cannot be written: it is a folder");
+    for (options, first) in [("-o ./kept.exr", "--output"), ("--stats kept.exr", "--stats")] {
+        let second = "--output";
+        let path = if first == second { "./kept.exr" } else { "kept.exr" };
+        let sentence = format!("{path}: {first} and {second} name the same file; each needs its own");
+        fails(&format!("scene.toml -o kept.exr {options}"), &sentence);
+    }
     let sentence = "gone/stats.json: cannot be written: the folder gone does not exist";
     fails_in(&folder, &format!("{stats} gone/stats.json"), &[], sentence);
 
@@ -203,7 +209,8 @@ fn comparisons_and_pages() {
     let stderr = folder.refused(folder.command(["compare", "gone.exr", "kept.exr"]), 1);
     assert!(stderr.starts_with("nephroid: gone.exr: cannot be read: "), "{stderr}");
     let stderr = folder.refused(folder.command(["man", "woman"]), 1);
-    let allowed = "render, animate, compare, devices, completions, man, help";
+    let view = if cfg!(feature = "viewer") { "view, " } else { "" };
+    let allowed = format!("render, animate, {view}compare, devices, completions, man, help");
     let sentence = format!("there is no command 'woman' to print a manual page of; allowed are: {allowed}");
     assert_eq!(stderr, format!("nephroid: {sentence}\n"));
     let stderr = folder.refused(folder.command(["completions", "crab"]), 2);

@@ -20,7 +20,8 @@ Examples:
 
 A frame depends on its number, the scene and the seed alone: it is the same whether it is
 rendered alone, in its row or by a shard. Folders that do not exist are made. Ctrl-C ends the
-sequence after the current frame; a second one ends it at once.";
+sequence after the current frame; a second one ends it at once. With --shard, the names of
+--stats and --trace-file need {shard} in them, which becomes the shard's number.";
 
 /// Render frames of a scene's animation to numbered picture files
 #[derive(Debug, Clone, Args)]

@@ -5,10 +5,12 @@ use serde_json::{Map, Value};
 
 use super::sequence::{Frames, Shard};
 use crate::spans::{Event, Track};
-use crate::stats::{self, Stats};
+use crate::stats::{self, PassTotal, Stats};
 
 /// What a still's report says of its frame alone; all else is the whole sequence's.
 const OF_FRAME: [&str; 7] = ["samples", "adaptive", "passes", "ledger", "counters", "noise", "warnings"];
+/// Frames with a report of some ten kilobytes of their own; those of a million would fill a machine.
+const MOST_REPORTS: usize = 10_000;
 /// Of the process since its start, which says nothing about a frame.
 const OF_PROCESS: [&str; 3] = ["cpu_seconds", "wall_seconds", "peak_memory_bytes"];
 
@@ -40,6 +42,7 @@ struct FrameStats {
     /// Of the scene's animation.
     seconds: f64,
     split: Split,
+    /// Empty where [`MOST_REPORTS`] frames came before.
     #[serde(flatten)]
     own: Map<String, Value>,
 }
@@ -55,7 +58,7 @@ pub struct Split {
     pub frame: Cost,
     /// The technique's passes, and what it does on the host before the first.
     pub technique: Cost,
-    /// Reading the film back and writing the files.
+    /// Reading the film back, finding motion vectors where they are wanted, and writing the files.
     pub output: Cost,
     /// From start to end, with all that has no name above.
     pub whole: Cost,
@@ -64,8 +67,8 @@ pub struct Split {
 /// A part of a frame's time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// On the host's clock; for passes on the device's.
-    pub milliseconds: f64,
+    /// On the host's clock; for passes on the device's. `None` where a pass was not timed.
+    pub milliseconds: Option<f64>,
     /// Of all threads of this process, a software device's too. `None` where passes run together, so that it cannot be
     /// shared out.
     pub cpu_seconds: Option<f64>,
@@ -73,18 +76,19 @@ pub struct Cost {
 
 impl Default for Cost {
     fn default() -> Self {
-        Cost { milliseconds: 0.0, cpu_seconds: Some(0.0) }
+        Cost { milliseconds: Some(0.0), cpu_seconds: Some(0.0) }
     }
 }
 
 impl Cost {
     pub fn include(&mut self, other: Cost) {
-        self.add(other.milliseconds, other.cpu_seconds);
+        let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
+        self.milliseconds = sum(self.milliseconds, other.milliseconds);
+        self.cpu_seconds = sum(self.cpu_seconds, other.cpu_seconds);
     }
 
-    fn add(&mut self, milliseconds: f64, cpu_seconds: Option<f64>) {
-        self.milliseconds += milliseconds;
-        self.cpu_seconds = self.cpu_seconds.zip(cpu_seconds).map(|(a, b)| a + b);
+    fn add(&mut self, event: &Event) {
+        self.include(Cost { milliseconds: Some(event.duration * 1e-3), cpu_seconds: event.cpu_seconds });
     }
 }
 
@@ -93,9 +97,9 @@ impl Split {
     pub fn moved(&mut self, events: &[Event]) {
         for event in events.iter().filter(|event| event.track != Track::Device) {
             match event.name.as_str() {
-                "animate" => self.animate.add(event.duration * 1e-3, event.cpu_seconds),
-                "refit" => self.refit.add(event.duration * 1e-3, event.cpu_seconds),
-                "restart technique" => self.technique.add(event.duration * 1e-3, event.cpu_seconds),
+                "animate" => self.animate.add(event),
+                "refit" => self.refit.add(event),
+                "restart technique" => self.technique.add(event),
                 _ => {}
             }
         }
@@ -104,13 +108,28 @@ impl Split {
     /// Counts what happened while samples were rendered.
     pub fn rendered(&mut self, events: &[Event]) {
         for event in events.iter().filter(|event| event.track == Track::Device) {
-            let part = match event.name.split_once('/').map_or("", |(folder, _)| folder) {
-                "frame" | "film" => &mut self.frame,
-                // What the host reads between samples is no work of the technique.
-                "memory" => &mut self.output,
-                _ => &mut self.technique,
-            };
-            part.add(event.duration * 1e-3, event.cpu_seconds);
+            self.part(&event.name).add(event);
+        }
+    }
+
+    /// Takes back what is said of parts with passes that were not timed. `passes`: all of the frame.
+    pub fn untimed(&mut self, passes: &[PassTotal]) {
+        for pass in passes.iter().filter(|pass| pass.milliseconds.is_none()) {
+            // Those of moving the scene and of motion vectors are within what the host's clock measures.
+            let by_host = ["animate/", "trace/", "frame/motion"].iter().any(|name| pass.name.starts_with(name));
+            if !by_host {
+                *self.part(&pass.name) = Cost { milliseconds: None, cpu_seconds: None };
+            }
+        }
+    }
+
+    /// Where a pass that renders a sample belongs.
+    fn part(&mut self, pass: &str) -> &mut Cost {
+        match pass.split_once('/').map_or("", |(folder, _)| folder) {
+            "frame" | "film" => &mut self.frame,
+            // What the host reads between samples is no work of the technique.
+            "memory" => &mut self.output,
+            _ => &mut self.technique,
         }
     }
 
@@ -142,7 +161,7 @@ impl Watch {
 
     pub fn cost(&self) -> Cost {
         let cpu_seconds = Some(stats::cpu_seconds() - self.cpu);
-        Cost { milliseconds: 1e3 * self.wall.elapsed().as_secs_f64(), cpu_seconds }
+        Cost { milliseconds: Some(1e3 * self.wall.elapsed().as_secs_f64()), cpu_seconds }
     }
 }
 
@@ -166,7 +185,11 @@ impl SequenceStats {
     /// Takes up a frame that was rendered.
     pub fn add(&mut self, frame: u32, stats: &Stats, split: Split) {
         let Ok(Value::Object(mut shared)) = serde_json::to_value(stats) else { return };
-        let own = OF_FRAME.iter().filter_map(|key| Some(((*key).to_owned(), shared.remove(*key)?))).collect();
+        let mut own: Map<_, _> =
+            OF_FRAME.iter().filter_map(|key| Some(((*key).to_owned(), shared.remove(*key)?))).collect();
+        if self.frames.len() >= MOST_REPORTS {
+            own.clear();
+        }
         OF_PROCESS.iter().for_each(|key| drop(shared.remove(*key)));
         self.shared = shared;
         self.total.include(&split);
