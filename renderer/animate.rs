@@ -27,6 +27,8 @@ pub struct Animator {
     device: Device,
     previous: Option<Previous>,
     waters: Vec<(MeshId, MovingWater)>,
+    /// Meshes whose vertices have moved on the device, and have not been [`followed`](Animator::followed) yet.
+    moved: Vec<MeshId>,
 }
 
 /// A sheet of water and what it takes to move it.
@@ -38,7 +40,7 @@ enum MovingWater {
 /// What [`Animator::go_to`] did.
 #[derive(Debug, Default)]
 pub struct Moved {
-    /// Meshes whose vertices have moved.
+    /// Meshes whose vertices have moved since they were last followed.
     pub meshes: Vec<MeshId>,
     /// One entry a kind of pass.
     pub times: Vec<PassTime>,
@@ -72,7 +74,7 @@ impl Animator {
             ))
         });
         let waters = waters.collect::<Result<_, GpuError>>()?;
-        Ok(Animator { device: device.clone(), previous: None, waters })
+        Ok(Animator { device: device.clone(), previous: None, waters, moved: Vec::new() })
     }
 
     /// Keeps the frame before beside each frame that is gone to from now on. It depends on the frame's number alone, too:
@@ -90,6 +92,9 @@ impl Animator {
     /// Takes `scene` and its copy on the device to `frame`: cameras, instances, lights and vertices of both. Vertices that
     /// are where they were are left alone.
     ///
+    /// Tell [`followed`](Self::followed) when all that is made of the vertices is as they are now. Until then their meshes
+    /// are named again, so that nothing is left behind where an error came between.
+    ///
     /// A simulation is continued from the frame it shows, or from time 0 where that is later: its cost grows with the
     /// number of frames passed over.
     pub fn go_to(&mut self, frame: u32, scene: &mut Scene, gpu_scene: &mut GpuScene) -> Result<Moved, GpuError> {
@@ -99,6 +104,11 @@ impl Animator {
         moved
     }
 
+    /// All that is made of the vertices has followed them.
+    pub fn followed(&mut self) {
+        self.moved.clear();
+    }
+
     fn move_all(
         &mut self,
         animation: &Animation,
@@ -106,37 +116,42 @@ impl Animator {
         scene: &mut Scene,
         gpu_scene: &mut GpuScene,
     ) -> Result<Moved, GpuError> {
-        let mut moved = Moved::default();
+        let mut times = Vec::new();
         // Going back costs a simulation all its steps.
         if let Some(previous) = self.previous.as_mut().filter(|previous| previous.of != Some(frame)) {
             previous.of = None;
             let before = frame.saturating_sub(1);
             animation.pose(scene, animation.time(before));
-            move_waters(&mut self.waters, before, &mut moved)?;
-            previous.keep(&self.device, scene, gpu_scene, &mut moved.times)?;
+            move_waters(&mut self.waters, before, &mut self.moved, &mut times)?;
+            previous.keep(&self.device, scene, gpu_scene, &mut times)?;
             previous.of = Some(frame);
         }
         animation.pose(scene, animation.time(frame));
-        move_waters(&mut self.waters, frame, &mut moved)?;
-        if !moved.meshes.is_empty() {
+        move_waters(&mut self.waters, frame, &mut self.moved, &mut times)?;
+        if !self.moved.is_empty() {
             let started = Instant::now();
-            moved.meshes.iter().try_for_each(|&mesh| read_back(mesh, scene, gpu_scene))?;
+            self.moved.iter().try_for_each(|&mesh| read_back(mesh, scene, gpu_scene))?;
             let milliseconds = Some(started.elapsed().as_secs_f64() * 1e3);
-            moved.times.push(PassTime { name: "animate/read-back".to_string(), milliseconds });
+            times.push(PassTime { name: "animate/read-back".to_string(), milliseconds });
         }
         gpu_scene.follow(scene)?;
-        Ok(moved)
+        Ok(Moved { meshes: self.moved.clone(), times })
     }
 }
 
-fn move_waters(waters: &mut [(MeshId, MovingWater)], frame: u32, moved: &mut Moved) -> Result<(), GpuError> {
+fn move_waters(
+    waters: &mut [(MeshId, MovingWater)],
+    frame: u32,
+    moved: &mut Vec<MeshId>,
+    times: &mut Vec<PassTime>,
+) -> Result<(), GpuError> {
     for (mesh, water) in waters {
         let has_moved = match water {
-            MovingWater::Travelling(water) => water.go_to(frame, &mut moved.times)?,
-            MovingWater::Simulated(water) => water.go_to(frame, &mut moved.times)?,
+            MovingWater::Travelling(water) => water.go_to(frame, times)?,
+            MovingWater::Simulated(water) => water.go_to(frame, times)?,
         };
-        if has_moved && !moved.meshes.contains(mesh) {
-            moved.meshes.push(*mesh);
+        if has_moved && !moved.contains(mesh) {
+            moved.push(*mesh);
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! From a scene and settings to a picture: the order of things above the frame.
 
+mod error;
 mod report;
 
 use std::time::Instant;
@@ -15,9 +16,11 @@ use crate::motion::{self, MotionVectors};
 use crate::scene::{Camera, Light, Scene};
 use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
-use crate::technique::{self, Context, Settings, Technique, TechniqueError, TechniqueKind};
-use crate::trace::{self, TraceChoice, TraceError, Tracer};
+use crate::technique::{self, Context, Settings, Technique, TechniqueKind};
+use crate::trace::{self, TraceChoice, Tracer};
 use crate::view::{Band, View};
+
+pub use error::RenderError;
 
 /// Pixels along one side of a picture, at most.
 pub const MAX_SIDE: u32 = 16384;
@@ -43,28 +46,6 @@ pub struct RenderSettings {
     pub motion: bool,
     /// `technique.key=value`.
     pub set: Vec<String>,
-}
-
-/// Why a picture cannot be rendered.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error(transparent)]
-    Trace(#[from] TraceError),
-    #[error(transparent)]
-    Technique(#[from] TechniqueError),
-    #[error("{scene} has no camera \"{found}\"; it has: {allowed}")]
-    UnknownCamera { scene: String, found: String, allowed: String },
-    #[error("the picture is {width} x {height} pixels; allowed are 1 to {MAX_SIDE} each way")]
-    Size { width: u32, height: u32 },
-    #[error("{found} samples were asked for; at least 1 is needed")]
-    Samples { found: u32 },
-    #[error(
-        "adaptive sampling needs a technique that finds the light of each sample by itself, and {technique} with these \
-         settings does not"
-    )]
-    NotAdaptive { technique: &'static str },
 }
 
 /// How far a render is.
@@ -131,6 +112,7 @@ impl Renderer {
     pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<Settings, RenderError> {
         camera(scene, settings.camera.as_deref())?;
         check_size(settings.size.unwrap_or((scene.film.width, scene.film.height)))?;
+        check_frame(scene, settings.frame)?;
         if settings.samples == Some(0) {
             return Err(RenderError::Samples { found: 0 });
         }
@@ -168,6 +150,7 @@ impl Renderer {
             drop(span);
             let _span = spans::span("refit");
             stats::add_times(&mut passes, &tracer.update(&device, &scene, &gpu_scene, &moved.meshes)?);
+            animator.followed();
         }
         let camera = camera(&scene, Some(&camera_name))?.clone();
         let motion = settings.motion.then(|| MotionVectors::new(&device, &tracer)).transpose()?;
@@ -198,9 +181,17 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Forgets all samples. Pipelines and buffers stay.
+    /// Forgets all samples. Pipelines stay, and so do buffers whose size depends on the picture alone.
     pub fn restart(&mut self) -> Result<(), RenderError> {
+        self.passes.clear();
+        self.start_over()
+    }
+
+    fn start_over(&mut self) -> Result<(), RenderError> {
         self.done = 0;
+        if self.bands.is_empty() {
+            return Ok(self.make_bands()?);
+        }
         let views: Vec<View> = self.bands.iter().map(|band| self.view(band.rows)).collect();
         let Self { device, scene, gpu_scene, tracer, bands, seed, .. } = self;
         for (BandState { frame, technique, .. }, view) in bands.iter_mut().zip(&views) {
@@ -215,6 +206,7 @@ impl Renderer {
 
     /// Goes to a frame of the scene's animation and forgets all samples.
     pub fn go_to(&mut self, frame: u32) -> Result<(), RenderError> {
+        check_frame(&self.scene, frame)?;
         self.frame = frame;
         self.passes.clear();
         if self.scene.animation.moves() {
@@ -228,12 +220,13 @@ impl Renderer {
             }
             let _span = spans::span("refit");
             let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
+            self.animator.followed();
             stats::add_times(&mut self.passes, &times);
             if self.own_camera {
                 self.camera = camera(&self.scene, Some(&self.camera.name))?.clone();
             }
         }
-        self.restart()
+        self.start_over()
     }
 
     /// The frame of the scene's animation that is shown.
@@ -274,9 +267,13 @@ impl Renderer {
     /// Renders pictures of another size from now on, and forgets all samples.
     pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), RenderError> {
         check_size(size)?;
-        self.size = size;
-        self.make_bands()?;
-        Ok(())
+        self.passes.clear();
+        let before = std::mem::replace(&mut self.size, size);
+        self.make_bands().or_else(|error| {
+            self.size = before;
+            self.make_bands()?;
+            Err(error.into())
+        })
     }
 
     /// Renders by another technique, or the same with other settings, and forgets all samples.
@@ -285,22 +282,28 @@ impl Renderer {
         if self.sampling != Sampling::Uniform && !kind.per_sample(&settings) {
             return Err(RenderError::NotAdaptive { technique: kind.name() });
         }
-        (self.technique_kind, self.settings) = (kind, settings);
         self.passes.clear();
-        self.make_bands()?;
-        Ok(())
+        let before = std::mem::replace(&mut self.settings, settings);
+        let kind_before = std::mem::replace(&mut self.technique_kind, kind);
+        self.make_bands().or_else(|error| {
+            (self.technique_kind, self.settings) = (kind_before, before);
+            self.make_bands()?;
+            Err(error.into())
+        })
     }
 
-    /// The bands anew, without samples.
+    /// The bands anew, without samples; none where one of them fails.
     fn make_bands(&mut self) -> Result<(), GpuError> {
         let _span = spans::span("make pipelines");
         self.bands.clear();
         self.done = 0;
-        for band in bands(self.size, self.device.info.limits.storage_range) {
-            let state = self.band(band)?;
-            self.bands.push(state);
-        }
+        let rows = bands(self.size, self.device.info.limits.storage_range);
+        self.bands = rows.into_iter().map(|band| self.band(band)).collect::<Result<_, _>>()?;
         Ok(())
+    }
+
+    fn check_bands(&self) -> Result<(), RenderError> {
+        if self.bands.is_empty() { Err(RenderError::Unmade) } else { Ok(()) }
     }
 
     fn view(&self, band: Band) -> View {
@@ -352,6 +355,7 @@ impl Renderer {
 
     /// Renders one more sample of every pixel, and waits for it.
     pub fn sample(&mut self) -> Result<Progress, RenderError> {
+        self.check_bands()?;
         let _span = spans::span_of("sample", || self.done.to_string());
         for band in &mut self.bands {
             let span = spans::span("record");
@@ -377,6 +381,7 @@ impl Renderer {
 
     /// The picture of the samples so far.
     pub fn finish(&self) -> Result<Picture, RenderError> {
+        self.check_bands()?;
         let _span = spans::span("read back");
         let read = |band: &BandState| band.frame.film.read(&band.frame.sample_counts(self.done));
         let rows = self.bands.iter().map(read).collect::<Result<Vec<FilmRows>, _>>()?;
@@ -447,6 +452,15 @@ pub fn check_size((width, height): (u32, u32)) -> Result<(), RenderError> {
     } else {
         Err(RenderError::Size { width, height })
     }
+}
+
+/// Fails for a frame that the scene's water cannot be taken to within days.
+pub fn check_frame(scene: &Scene, frame: u32) -> Result<(), RenderError> {
+    let last = scene.animation.last_frame();
+    if frame > last {
+        return Err(RenderError::Frame { scene: scene.path.display().to_string(), frame, last });
+    }
+    Ok(())
 }
 
 /// Bands of rows whose largest buffer fits into a storage range of `limit` bytes.

@@ -27,6 +27,7 @@ fn main() -> ExitCode {
             disable: "",
             run: mode_is_its_discrete_twin,
         },
+        Case { name: "strongly_damped_water_sinks_without_flicker", needs: &[], disable: "", run: strong_damping },
         Case { name: "halved_spacing_quarters_the_error", needs: &[], disable: "", run: second_order },
         Case { name: "energy_and_mean_height_stay", needs: &[], disable: "", run: energy_and_mean_stay },
         Case { name: "a_symmetric_start_stays_symmetric", needs: &[], disable: "", run: symmetry_stays },
@@ -149,6 +150,27 @@ fn mode_is_its_discrete_twin(request: &Request) {
         let frequency = (1.3 * 1.3 * k.length_squared() - 0.25 * damping * damping).sqrt();
         assert!((turn / step / frequency - 1.0).abs() < 0.04, "{} {frequency}", turn / step);
         assert!((decay.ln() / step + 0.5 * damping).abs() <= 1e-3 * damping, "{}", decay.ln() / step);
+    }
+}
+
+fn strong_damping(request: &Request) {
+    // Of the amplitude. The mode's own swing per step at the least number of steps for waves alone would be 30 times this.
+    const TOLERANCE: f64 = 1e-3;
+    let field = mode(still_sheet([24, 20]), 0.1, 3.0, 2.0);
+    let mut simulation = water::simulation(1.3);
+    simulation.damping = 1e3;
+    let mut stage = Stage::new(request, &[(field.clone(), WaterMotion::Simulated(simulation))], 24.0);
+    let k = std::f64::consts::PI * DVec2::new(3.0 / 2.4, 2.0 / 2.0);
+    let frequency = 1.3 * k.length();
+    // The slow of the two ways to fall; the other is over within milliseconds.
+    let rate = 500.0 - (500.0f64.powi(2) - frequency.powi(2)).sqrt();
+    for frame in [0, 1, 2, 3, 10] {
+        stage.go_to(frame);
+        let sunk = (-rate * f64::from(frame) / 24.0).exp();
+        for (index, (x, z)) in field.vertices().enumerate() {
+            let error = f64::from(stage.mesh(0).positions[index].y) - field.height(x, z) * sunk;
+            assert!(error.abs() < TOLERANCE * 0.1, "vertex {index} of frame {frame}: {error}");
+        }
     }
 }
 

@@ -6,8 +6,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::{Case, Request, assert_valid, layer};
+use glam::Vec3;
 use nephroid::render::{Picture, RenderSettings, Renderer};
-use nephroid::scene::{self, Scene};
+use nephroid::scene::{self, Camera, Emitter, Scene};
 use nephroid::technique::TechniqueKind;
 
 /// A frame whose neighbours differ from it and from the first.
@@ -135,9 +136,21 @@ fn keyed(request: &Request) {
         row.go_to(frame).unwrap();
     }
     let moved = picture(&mut row);
+    // Another camera and another light, and back.
+    let (camera, lights) = (row.camera().clone(), row.scene().lights.clone());
+    row.set_camera(Camera { fov_y: 20.0, ..camera.clone() }).unwrap();
+    let mut dark = lights.clone();
+    dark[0].emitter = Emitter::Point { position: Vec3::Y, intensity: Vec3::X };
+    row.set_lights(dark).unwrap();
+    let elsewhere = picture(&mut row);
+    assert_ne!(layer(&elsewhere.image, "final"), layer(&moved.image, "final"));
+    row.set_lights(lights).unwrap();
+    row.set_camera(camera).unwrap();
+    let back = picture(&mut row);
     assert_valid(row.device());
     let still = picture(&mut Renderer::new(stands(KEYED), &settings).unwrap());
     for name in ["final", "caustic"] {
         assert_eq!(layer(&moved.image, name), layer(&still.image, name), "{name}");
+        assert_eq!(layer(&back.image, name), layer(&still.image, name), "{name} after another camera and light");
     }
 }

@@ -234,6 +234,16 @@ fn sentence(from: &str, to: &str) -> String {
 }
 
 #[test]
+fn strong_damping_of_few_frames_is_refused() {
+    let text = MOVING.replace("fps = 30", "fps = 1").replace("damping = 0.3", "damping = 1000");
+    assert_eq!(
+        read(&text).expect_err("2000 steps").to_string(),
+        "bad.toml:45: `object.motion.damping` is 1000; allowed: at most 500 at 1 frames per second: damping times the \
+         length of a step may be 0.5, and 1000 steps are the most between two frames"
+    );
+}
+
+#[test]
 fn each_wrong_value_has_its_sentence() {
     let cases = [
         ("fps = 30", "fps = 0", "bad.toml:2: `animation.fps` is 0; allowed: a number from 0.01 to 1000"),
@@ -290,6 +300,17 @@ fn each_wrong_value_has_its_sentence() {
             "translate = [0, 0.75, 0]",
             "translate = [0, 1e6, 0]",
             "bad.toml:35: `object.keys` is a table; allowed: a placement with all points within 1e6 of the origin",
+        ),
+        (
+            "rotate = [0, 90, 0]",
+            "rotate = [0, 180, 0]",
+            "bad.toml:35: `object.keys` is a table; allowed: a rotation less than half a turn from the key before",
+        ),
+        (
+            // At time 0 no vertex is off the nodes of this wave.
+            "waves = [{ wavelength = 1, amplitude = 0.1 }]",
+            "base = 1\nwaves = [{ wavelength = 1, amplitude = 1e6 }]",
+            "bad.toml:51: `object.name` is the text \"sea\"; allowed: a placement with all points within 1e6 of the origin",
         ),
         (
             "rotate = [0, 90, 0]",

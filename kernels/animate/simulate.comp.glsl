@@ -1,5 +1,6 @@
 // One step of h_tt + damping h_t = speed^2 (h_xx + h_zz) by leapfrog, one invocation a vertex: the step's increment is
-// kept beside the height, h(n+1) = h(n) + d(n+1/2). Damping acts on the mean of two increments, which is stable for any.
+// kept beside the height, h(n+1) = h(n) + d(n+1/2). Damping acts on the mean of two increments, which is stable for any;
+// steps are short enough that it takes only part of an increment.
 #include "shared/index.glsl"
 #include "animate/sheet.glsl"
 

@@ -11,14 +11,28 @@ layout(set = 3, binding = 3, std430) writeonly buffer MotionVectors { vec2 motio
 
 // Pixels from the picture's upper left corner. `along` is the component on the viewing direction.
 vec2 place_in(View camera, vec3 way, out float along) {
-    along = dot(way, camera.forward);
-    vec2 at = vec2(dot(way, camera.right) / dot(camera.right, camera.right),
-                   -dot(way, camera.up) / dot(camera.up, camera.up));
-    return (0.5 * at / along + 0.5) * vec2(camera.width, camera.height);
+    precise float ahead = dot(way, camera.forward);
+    precise vec2 at = vec2(dot(way, camera.right) / dot(camera.right, camera.right),
+                           -dot(way, camera.up) / dot(camera.up, camera.up));
+    precise vec2 place = (0.5 * at / ahead + 0.5) * vec2(camera.width, camera.height);
+    along = ahead;
+    return place;
+}
+
+// Whether a place in the picture is finite.
+bool in_front(float along, vec3 way) {
+    return along > 1e-6 * length(way);
 }
 
 vec3 point_of(vec3 a, vec3 b, vec3 c, vec2 barycentrics) {
-    return a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y;
+    precise vec3 point = a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y;
+    return point;
+}
+
+vec3 placed(vec4 to_world[3], vec3 point) {
+    precise vec3 place = vec3(dot(to_world[0].xyz, point) + to_world[0].w, dot(to_world[1].xyz, point) + to_world[1].w,
+                              dot(to_world[2].xyz, point) + to_world[2].w);
+    return place;
 }
 
 void main() {
@@ -27,8 +41,8 @@ void main() {
     vec3 direction = pixel_direction(uvec2(pixel % view.width, pixel / view.width), vec2(0.5));
     Hit hit = trace_closest(Ray(view.position, 0.0, direction, 1e30), MASK_ALL);
     // The background is infinitely far: cameras that turn move it, cameras that travel do not.
-    vec3 now = direction;
-    vec3 before = direction;
+    precise vec3 now = direction;
+    precise vec3 before = direction;
     if (hit.instance != NO_INSTANCE) {
         Instance instance = instances[hit.instance];
         Instance was = previous_instances[hit.instance];
@@ -37,14 +51,15 @@ void main() {
                               hit.barycentrics);
         vec3 point_before = point_of(previous_vertices[corner.x].position, previous_vertices[corner.y].position,
                                      previous_vertices[corner.z].position, hit.barycentrics);
-        now = transform_point(instance.to_world, point) - view.position;
-        before = transform_point(was.to_world, point_before) - previous_view.position;
+        now = placed(instance.to_world, point) - view.position;
+        before = placed(was.to_world, point_before) - previous_view.position;
     }
-    // Both by one formula, so that what stands still has no motion at all.
+    // Both by one formula, every operation of it as it is written, so that what stands still has no motion at all.
     float along_now;
     float along_before;
     vec2 at = place_in(view, now, along_now);
     vec2 was_at = place_in(previous_view, before, along_before);
-    bool seen = along_now > 0.0 && along_before > 0.0;
-    motion_vectors[pixel] = seen ? at - was_at : vec2(0.0);
+    bool seen = in_front(along_now, now) && in_front(along_before, before);
+    precise vec2 moved = at - was_at;
+    motion_vectors[pixel] = seen ? moved : vec2(0.0);
 }

@@ -3,11 +3,13 @@
 //! The state is a height and the increment that led to it, two floats each. Frame n is n times a fixed number of steps
 //! after time 0, whatever frames were shown before: the way back is another start.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::add_times;
 use crate::gpu::{Bindings, Buffer, Device, GpuError, GpuStruct, Kernel, Layout, PassTime, Recorder};
-use crate::scene::animation::Simulation;
+use crate::scene::animation::{Drop, Simulation};
 use crate::scene::height_field::HeightField;
 
 crate::gpu_struct! {
@@ -47,13 +49,43 @@ crate::gpu_struct! {
 
 pub(super) const LAYOUTS: &[Layout] = &[SheetPush::LAYOUT, SheetDrop::LAYOUT, SheetMeshPush::LAYOUT];
 
-/// Vertices times steps in one submission: about a second without a GPU. A step of 263,169 vertices took SwiftShader 29 ms
+/// Vertices times steps and drops in one submission: about a second without a GPU. A step of 263,169 vertices took SwiftShader 29 ms
 /// and llvmpipe 8 ms on two cores that other work had too, so 110 and 31 ns a vertex.
 const VERTEX_STEPS: u64 = 1 << 23;
 
-/// Steps in one submission, and drops in one pass, at most.
-const MOST_STEPS: u64 = 256;
+/// Steps and drops in one submission, and drops in one pass, at most.
+const MOST_WORK: u64 = 256;
 const MOST_DROPS: usize = 64;
+
+/// What one submission does, in this order.
+#[derive(Default)]
+struct Batch {
+    work: Vec<Work>,
+    drops: Vec<SheetDrop>,
+    /// Steps and drops: a drop takes about what a step takes.
+    cost: usize,
+}
+
+enum Work {
+    /// Step 0 is the start.
+    Step(u64),
+    /// The drops of this range fall at this step.
+    Drops(u64, Range<usize>),
+}
+
+impl Batch {
+    fn step(&mut self, step: u64) {
+        self.work.push(Work::Step(step));
+        self.cost += 1;
+    }
+
+    fn drops(&mut self, step: u64, drops: &[SheetDrop]) {
+        let first = self.drops.len();
+        self.drops.extend(drops);
+        self.work.push(Work::Drops(step, first..self.drops.len()));
+        self.cost += drops.len();
+    }
+}
 
 /// A height field under the wave equation.
 pub(super) struct SimulatedWater {
@@ -164,72 +196,65 @@ impl SimulatedWater {
     /// Takes the state to step `to`.
     fn advance(&mut self, to: u64, times: &mut Vec<PassTime>) -> Result<(), GpuError> {
         // An error on the way leaves no state that could be gone on from.
-        let mut next = self.at.take().filter(|&at| at <= to).map_or(0, |at| at + 1);
-        let most = (VERTEX_STEPS / u64::from(self.vertices())).clamp(1, MOST_STEPS);
-        while next <= to {
-            let last = to.min(next + most - 1);
-            self.run(next, last, times)?;
-            next = last + 1;
+        let first = self.at.take().filter(|&at| at <= to).map_or(0, |at| at + 1);
+        let room = (VERTEX_STEPS / u64::from(self.vertices())).clamp(1, MOST_WORK) as usize;
+        let mut batch = Batch::default();
+        for step in first..=to {
+            batch.step(step);
+            for drops in self.drops_at(step).chunks(MOST_DROPS.min(room)) {
+                if batch.cost + drops.len() > room {
+                    self.run(std::mem::take(&mut batch), times)?;
+                }
+                batch.drops(step, drops);
+            }
+            if batch.cost >= room || step == to {
+                self.run(std::mem::take(&mut batch), times)?;
+            }
         }
         self.at = Some(to);
         Ok(())
     }
 
-    /// Runs steps `first` to `last`, each with the drops that fall at it. Step 0 is the start.
-    fn run(&self, first: u64, last: u64, times: &mut Vec<PassTime>) -> Result<(), GpuError> {
-        let drops = self.drops_of(first, last);
-        let records: Vec<SheetDrop> = drops.iter().map(|(_, drop)| *drop).collect();
-        let drops_buffer = Buffer::from_slice(&self.device, "drops", &records)?;
-        let drops_binding = Bindings::new().buffer("SheetDrops", &drops_buffer);
+    fn run(&self, batch: Batch, times: &mut Vec<PassTime>) -> Result<(), GpuError> {
+        let drops = Buffer::from_slice(&self.device, "drops", &batch.drops)?;
+        let drops = Bindings::new().buffer("SheetDrops", &drops);
         let mut recorder = Recorder::new(&self.device)?;
-        for step in first..=last {
-            if step == 0 {
-                let half = self.increments.size();
-                let mut pass = recorder.pass("animate/start")?;
-                pass.copy(&self.start, 0, &self.heights[0], 0, half);
-                pass.copy(&self.start, half, &self.increments, 0, half);
-            } else {
-                let before = &self.bindings[parity(step - 1)];
-                recorder.pass("animate/simulate")?.dispatch(&self.simulate, &[before], &self.push, self.vertices())?;
-            }
-            let falling = drops.partition_point(|(at, _)| *at < step)..drops.partition_point(|(at, _)| *at <= step);
-            for from in falling.clone().step_by(MOST_DROPS) {
-                let count = (falling.end - from).min(MOST_DROPS) as u32;
-                let push = SheetPush { first: from as u32, count, ..self.push };
-                let bindings = [&self.bindings[parity(step)], &drops_binding];
-                recorder.pass("animate/drops")?.dispatch(&self.drops, &bindings, &push, self.vertices())?;
+        for work in batch.work {
+            match work {
+                Work::Step(0) => {
+                    let half = self.increments.size();
+                    let mut pass = recorder.pass("animate/start")?;
+                    pass.copy(&self.start, 0, &self.heights[0], 0, half);
+                    pass.copy(&self.start, half, &self.increments, 0, half);
+                }
+                Work::Step(step) => {
+                    let before = &self.bindings[parity(step - 1)];
+                    let mut pass = recorder.pass("animate/simulate")?;
+                    pass.dispatch(&self.simulate, &[before], &self.push, self.vertices())?;
+                }
+                Work::Drops(step, range) => {
+                    let push = SheetPush { first: range.start as u32, count: range.len() as u32, ..self.push };
+                    let bindings = [&self.bindings[parity(step)], &drops];
+                    recorder.pass("animate/drops")?.dispatch(&self.drops, &bindings, &push, self.vertices())?;
+                }
             }
         }
         add_times(times, recorder.submit()?);
         Ok(())
     }
 
-    /// The drops of steps `first` to `last`, each with the step nearest its time, in that order.
-    fn drops_of(&self, first: u64, last: u64) -> Vec<(u64, SheetDrop)> {
+    /// The drops whose times are nearest to this step's.
+    fn drops_at(&self, step: u64) -> Vec<SheetDrop> {
         let from = |step: u64| (step as f64 - 0.5) / self.rate;
-        let step_at = |time: f64| {
-            let mut step = (time * self.rate + 0.5).max(0.0) as u64;
-            // Rounding may have led to a neighbour, and then another division into submissions to another step.
-            while step > first && time < from(step) {
-                step -= 1;
-            }
-            while step < last && time >= from(step + 1) {
-                step += 1;
-            }
-            step
-        };
         let spacing = self.field.spacing();
         let origin = DVec2::new(self.field.x[0], self.field.z[0]);
-        let drops = self.simulation.drops_between(&self.field, from(first), from(last + 1));
-        let record = |drop: crate::scene::animation::Drop| {
-            let record = SheetDrop {
-                centre: ((drop.centre - origin) / spacing).as_vec2().to_array(),
-                spacing: (spacing / drop.radius).as_vec2().to_array(),
-                height: drop.height as f32,
-                padding0: 0,
-            };
-            (step_at(drop.time), record)
+        let record = |drop: Drop| SheetDrop {
+            centre: ((drop.centre - origin) / spacing).as_vec2().to_array(),
+            spacing: (spacing / drop.radius).as_vec2().to_array(),
+            height: drop.height as f32,
+            padding0: 0,
         };
+        let drops = self.simulation.drops_between(&self.field, from(step), from(step + 1));
         drops.into_iter().map(record).collect()
     }
 

@@ -24,7 +24,7 @@ use super::request::Request;
 use super::trace_file::TraceFile;
 use crate::gpu::Device;
 use crate::image::{Format, ImageError};
-use crate::render::{Picture, RenderError, RenderSettings, Renderer};
+use crate::render::{Picture, RenderError, RenderSettings, Renderer, check_frame};
 use crate::scene::{self, FilmSettings, Scene, SceneError};
 use crate::spans;
 use crate::trace::{Backend, TraceChoice};
@@ -83,6 +83,7 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     let mut teller = Teller::new(common.quiet);
     teller.warn(&scene.warnings);
     let mut settings = common.settings(0);
+    check_frame(&scene, frames.last)?;
     let request = Request::new(&mut scene, &settings)?;
 
     let mine: Vec<u32> = frames.of(shard).collect();

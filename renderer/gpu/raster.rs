@@ -16,8 +16,6 @@ use super::{Bindings, Device, GpuError, Image, Pass};
 pub struct Raster(Arc<RasterInner>);
 
 pub(crate) struct RasterInner {
-    // Keeps the pipeline's device open.
-    _device: Device,
     name: String,
     layout: Arc<PipelineLayout>,
     pipeline: PipelineSlot,
@@ -26,6 +24,8 @@ pub(crate) struct RasterInner {
     formats: [vk::Format; 2],
     #[cfg(feature = "hot-reload")]
     modules: [ModuleName; 2],
+    // Keeps the pipeline's device open, and is dropped after it: fields go in their order.
+    _device: Device,
 }
 
 /// What is drawn into: one colour target and its depth.
@@ -55,7 +55,6 @@ impl Raster {
         let layout = Arc::new(PipelineLayout::new(device, name, &[&interfaces[0], &interfaces[1]], stages)?);
         let formats = [targets.color.format, targets.depth.format];
         let inner = Arc::new(RasterInner {
-            _device: device.clone(),
             name: name.to_string(),
             pipeline: PipelineSlot::new(pipeline(device, name, &layout, formats, [&vertex, &fragment])?),
             layout,
@@ -63,6 +62,7 @@ impl Raster {
             formats,
             #[cfg(feature = "hot-reload")]
             modules: ["vert", "frag"].map(|stage| ModuleName::new(name, stage, "")),
+            _device: device.clone(),
         });
         #[cfg(feature = "hot-reload")]
         super::reload::register(device, inner.clone())?;

@@ -27,7 +27,6 @@ pub struct PassTime {
 
 /// Records passes, then runs them.
 pub struct Recorder {
-    device: Device,
     command_pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     queries: Option<vk::QueryPool>,
@@ -37,6 +36,8 @@ pub struct Recorder {
     descriptors: DescriptorPools,
     /// Whatever the commands use, held until they have run.
     held: Vec<Arc<dyn Any>>,
+    // Dropped after what is held, which may be the last to use it: fields go in their order.
+    device: Device,
 }
 
 impl Recorder {

@@ -163,7 +163,7 @@ impl KernelWatch {
         }
         let kernels = self.device.kernels.all();
         let changed = self.compile(&kernels);
-        // A picture in several bands has several kernels of one name.
+        // A picture in several bands has several raster pipelines of one name.
         let mut groups: BTreeMap<&[ModuleName], Vec<&Live>> = BTreeMap::new();
         for kernel in &kernels {
             if kernel.modules().iter().any(|module| changed.contains(module)) {

@@ -10,7 +10,8 @@ use super::transform::Placement;
 pub use pose::{Aim, CameraPose, Keys, LightPose, Pose};
 pub use timeline::{Interpolation, Span, Timeline};
 pub use water::{
-    Drop, GRAVITY, MOST_CELLS_PER_STEP, MOST_STEPS_PER_FRAME, Rain, Simulation, Water, WaterMotion, angular_frequency,
+    Drop, GRAVITY, MOST_CELLS_PER_STEP, MOST_DAMPING_PER_STEP, MOST_STEPS_PER_FRAME, Rain, Simulation, Water,
+    WaterMotion, angular_frequency,
 };
 
 /// Everything that moves in a scene. Frame n shows the time n / `fps` seconds.
@@ -50,6 +51,15 @@ impl Animation {
     /// Seconds.
     pub fn time(&self, frame: u32) -> f64 {
         f64::from(frame) / self.fps
+    }
+
+    /// The last frame that may be gone to.
+    pub fn last_frame(&self) -> u32 {
+        let of = |water: &Water| match &water.motion {
+            WaterMotion::Waves { .. } => u32::MAX,
+            WaterMotion::Simulated(simulation) => simulation.last_frame(&water.field, self.fps),
+        };
+        self.waters.iter().map(of).min().unwrap_or(u32::MAX)
     }
 
     /// Puts cameras, instances and lights where they are at `time`, seconds. Meshes are left alone: moving them is the

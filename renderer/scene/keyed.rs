@@ -38,7 +38,12 @@ pub(super) fn read<P: Pose>(
         if let Some(before) = times.last().filter(|&before| time - before < LEAST_STEP) {
             return Err(time_node.refuse(format!("a time at least {LEAST_STEP:e} after the key's before, {before}")));
         }
-        poses.push(read(&node, &key)?);
+        let pose = read(&node, &key)?;
+        let turns = interpolation != Interpolation::Step;
+        if turns && poses.last().is_some_and(|before: &P| !before.leads_to(&pose)) {
+            return Err(node.refuse("a rotation less than half a turn from the key before"));
+        }
+        poses.push(pose);
         times.push(time);
     }
     let (Some(first), Some(last)) = (poses.first(), poses.last()) else {

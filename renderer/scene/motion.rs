@@ -1,6 +1,6 @@
 //! `motion` of a height field.
 
-use super::animation::{Drop, MOST_STEPS_PER_FRAME, Rain, Simulation, WaterMotion};
+use super::animation::{Drop, MOST_DAMPING_PER_STEP, MOST_STEPS_PER_FRAME, Rain, Simulation, WaterMotion};
 use super::error::SceneError;
 use super::height_field::{Bump, HeightField};
 use super::object::{BUMP_KEYS, read_bump, read_each};
@@ -45,11 +45,18 @@ fn read_simulation(table: &Table, field: &HeightField, fps: f64) -> Result<Simul
         rain: table.get("rain").map(|node| read_rain(&node)).transpose()?,
     };
     simulation.drops.sort_by(|a, b| a.time.total_cmp(&b.time));
-    if simulation.steps_per_frame(field, fps) > MOST_STEPS_PER_FRAME {
+    if (Simulation { damping: 0.0, ..simulation.clone() }).steps_per_frame(field, fps) > MOST_STEPS_PER_FRAME {
         return Err(speed_node.refuse(format!(
             "at most {} with quads of this size at {fps} frames per second: a wave may cross half a quad in a step, and \
              {MOST_STEPS_PER_FRAME} steps are the most between two frames",
             (Simulation::fastest(field, fps) * 1e3).floor() / 1e3
+        )));
+    }
+    if simulation.steps_per_frame(field, fps) > MOST_STEPS_PER_FRAME {
+        return Err(table.need("damping", "")?.refuse(format!(
+            "at most {} at {fps} frames per second: damping times the length of a step may be {MOST_DAMPING_PER_STEP}, \
+             and {MOST_STEPS_PER_FRAME} steps are the most between two frames",
+            (Simulation::most_damping(fps) * 1e3).floor() / 1e3
         )));
     }
     Ok(simulation)

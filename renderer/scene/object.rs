@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Affine3A, BVec3, DVec2, DVec3, Vec3};
 
-use super::animation::{Keys, Water};
+use super::animation::{Keys, Water, WaterMotion};
 use super::error::SceneError;
 use super::file::{find_name, read_name};
 use super::height_field::{Bump, HeightField, Relief, Wave};
@@ -96,13 +96,16 @@ fn read_keys(
 ) -> Result<Option<Keys<Placement>>, SceneError> {
     let meshes = || scene.instances[of.clone()].iter().map(|instance| &scene.meshes[instance.mesh]);
     let boxes: Vec<[Vec3; 8]> = meshes().map(corners).collect();
+    let waves: Vec<[Vec3; 8]> =
+        scene.instances[of.clone()].iter().filter_map(|i| waves_corners(scene, i.mesh)).collect();
     keyed::read(table, of.clone(), "a key of an [[object]]", transform::KEYS, |node, key| {
         let placement = transform::read_pose(key, own)?;
         let transform = placement.transform();
         // A mesh may have millions of points, and an object many keys.
         let near =
             |(mesh, corners): (&Mesh, &[Vec3; 8])| are_near(corners, transform) || are_near(&mesh.positions, transform);
-        if meshes().zip(&boxes).all(near) { Ok(placement) } else { Err(node.refuse(NO_PLACE)) }
+        let waves_near = waves.iter().all(|corners| are_near(corners, transform));
+        if waves_near && meshes().zip(&boxes).all(near) { Ok(placement) } else { Err(node.refuse(NO_PLACE)) }
     })
 }
 
@@ -165,7 +168,8 @@ fn place(
     material: MaterialId,
     transform: Affine3A,
 ) -> Result<(), SceneError> {
-    if !are_near(&scene.meshes[mesh].positions, transform) {
+    let waves_near = waves_corners(scene, mesh).is_none_or(|corners| are_near(&corners, transform));
+    if !waves_near || !are_near(&scene.meshes[mesh].positions, transform) {
         let node = table.get("transform").map_or_else(|| table.need("name", ""), Ok)?;
         return Err(node.refuse(NO_PLACE));
     }
@@ -182,6 +186,23 @@ fn are_near(points: &[Vec3], transform: Affine3A) -> bool {
 fn corners(mesh: &Mesh) -> [Vec3; 8] {
     let mut bounds = Bounds::EMPTY;
     mesh.positions.iter().for_each(|&point| bounds.include(point));
+    corners_of(&bounds)
+}
+
+/// Of a box that holds a mesh of travelling waves at every time.
+fn waves_corners(scene: &Scene, mesh: MeshId) -> Option<[Vec3; 8]> {
+    let water = scene.animation.waters.iter().find(|water| water.mesh == mesh)?;
+    let WaterMotion::Waves { .. } = water.motion else { return None };
+    let HeightField { x, z, base, .. } = &water.field;
+    let most = water.field.most_above_base();
+    let mut bounds = Bounds::EMPTY;
+    for k in 0..2 {
+        bounds.include(DVec3::new(x[k], [base - most, base + most][k], z[k]).as_vec3());
+    }
+    Some(corners_of(&bounds))
+}
+
+fn corners_of(bounds: &Bounds) -> [Vec3; 8] {
     std::array::from_fn(|k| Vec3::select(BVec3::new(k & 1 > 0, k & 2 > 0, k & 4 > 0), bounds.max, bounds.min))
 }
 

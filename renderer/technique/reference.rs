@@ -345,6 +345,8 @@ impl Technique for Reference {
     /// Emission cells depend on where specular surfaces are, and with them the number of photons.
     fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
         let picture = std::mem::take(&mut self.picture);
+        // The old buffers go before there are new ones: both would be twice the memory.
+        self.bindings = Bindings::new();
         *self = Reference { picture, ..Self::with(&self.settings, self.kernels.clone(), context)? };
         Ok(())
     }

@@ -68,7 +68,8 @@ impl DeviceStructures {
         Bindings::new().structure("top_level", &self.top.structure)
     }
 
-    /// Has the moved meshes' structures follow their vertices, and builds the one over the instances again.
+    /// Has the moved meshes' structures follow their vertices, and builds the one over the instances again, which are as
+    /// many as ever and of the same meshes.
     pub(super) fn update(
         &mut self,
         device: &Device,
@@ -88,15 +89,12 @@ impl DeviceStructures {
         }
         // Their structures have stayed where they are.
         let (packed, _) = pack_instances(&self.bottom, scene);
-        if packed.len() as u32 == self.top.primitives {
-            self.instances.upload(bytemuck::cast_slice(&packed))?;
-            self.top.keep_scratch(device)?;
-            let mut pass = recorder.pass("trace/top")?;
-            self.top.record(&mut pass, instances(&self.instances), false);
-            pass.hold(&self.instances);
-        } else {
-            (self.top, self.instances) = build_top(device, &self.bottom, scene)?;
-        }
+        self.instances.upload(bytemuck::cast_slice(&packed))?;
+        self.top.keep_scratch(device)?;
+        let mut pass = recorder.pass("trace/top")?;
+        self.top.record(&mut pass, instances(&self.instances), false);
+        pass.hold(&self.instances);
+        drop(pass);
         recorder.submit()
     }
 

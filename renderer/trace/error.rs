@@ -13,6 +13,10 @@ pub enum TraceError {
     Build { mesh: String, reason: String },
     #[error("the mesh {mesh} was to be moved, but its number of triangles or vertices has changed")]
     Changed { mesh: String },
+    #[error("a scene of {was} {what} was to be followed, but it now has {now}")]
+    ChangedCount { what: &'static str, was: usize, now: usize },
+    #[error("the instance {instance} was to be moved, but it now is one of another mesh")]
+    Exchanged { instance: String },
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }

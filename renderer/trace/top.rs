@@ -71,12 +71,9 @@ impl Top {
         masks: &[u32],
         moved: &[MeshId],
     ) -> Result<bool, GpuError> {
-        self.boxes.truncate(scene.instances.len());
-        for (index, instance) in scene.instances.iter().enumerate() {
-            match self.boxes.get_mut(index) {
-                Some(known) if known.0 == instance.transform && !moved.contains(&instance.mesh) => {}
-                Some(known) => *known = world_box(scene, instance, &self.corners),
-                None => self.boxes.push(world_box(scene, instance, &self.corners)),
+        for (known, instance) in self.boxes.iter_mut().zip(&scene.instances) {
+            if known.0 != instance.transform || moved.contains(&instance.mesh) {
+                *known = world_box(scene, instance, &self.corners);
             }
         }
         let nodes = build(scene, &self.roots, masks, &self.boxes);

@@ -62,6 +62,8 @@ pub struct Tracer {
     structures: Structures,
     /// Of each mesh: triangles and vertices.
     counts: Vec<(usize, usize)>,
+    /// Of each instance: its mesh.
+    instances: Vec<MeshId>,
 }
 
 enum Structures {
@@ -97,12 +99,20 @@ impl Tracer {
         };
         let build_milliseconds = started.elapsed().as_secs_f64() * 1e3;
         let (bindings, memory) = structures.bindings();
-        Ok(Tracer { backend, bindings, build_milliseconds, memory, structures, counts: counts(scene) })
+        Ok(Tracer {
+            backend,
+            bindings,
+            build_milliseconds,
+            memory,
+            structures,
+            counts: counts(scene),
+            instances: instances(scene),
+        })
     }
 
     /// Follows a scene whose instances or vertices have moved, `moved` naming the meshes whose vertices have.
     ///
-    /// `scene` and `gpu_scene` hold the new positions and transforms; meshes keep their triangles. Trees are fitted to the
+    /// `scene` and `gpu_scene` hold the new positions and transforms; meshes keep their triangles, instances their meshes. Trees are fitted to the
     /// vertices, not built again, and get slower the farther those move; what was in between makes no difference.
     ///
     /// The times are the device's, except for `trace/top` of the trees, which is made by the host and timed by its clock.
@@ -123,9 +133,16 @@ impl Tracer {
     }
 
     fn check_counts(&self, scene: &Scene) -> Result<(), TraceError> {
-        let now = counts(scene);
-        let changed = scene.meshes.iter().enumerate().find(|&(id, _)| self.counts.get(id) != now.get(id));
-        changed.map_or(Ok(()), |(_, mesh)| Err(TraceError::Changed { mesh: mesh.name.clone() }))
+        let (meshes, now) = (counts(scene), instances(scene));
+        let pairs = [("meshes", self.counts.len(), meshes.len()), ("instances", self.instances.len(), now.len())];
+        if let Some(&(what, was, now)) = pairs.iter().find(|(_, was, now)| was != now) {
+            return Err(TraceError::ChangedCount { what, was, now });
+        }
+        if let Some(id) = (0..meshes.len()).find(|&id| self.counts[id] != meshes[id]) {
+            return Err(TraceError::Changed { mesh: scene.meshes[id].name.clone() });
+        }
+        let exchanged = (0..now.len()).find(|&index| self.instances[index] != now[index]);
+        exchanged.map_or(Ok(()), |index| Err(TraceError::Exchanged { instance: scene.instances[index].name.clone() }))
     }
 }
 
@@ -141,4 +158,8 @@ impl Structures {
 
 fn counts(scene: &Scene) -> Vec<(usize, usize)> {
     scene.meshes.iter().map(|mesh| (mesh.triangles.len(), mesh.positions.len())).collect()
+}
+
+fn instances(scene: &Scene) -> Vec<MeshId> {
+    scene.instances.iter().map(|instance| instance.mesh).collect()
 }

@@ -22,8 +22,9 @@ const LEAF_TRIANGLES: u32 = 3;
 /// Levels below the root that the stack of `kernels/trace/cwbvh.glsl` allows.
 const MAX_DEPTH: usize = 31;
 
-/// Biased exponents that a grid's step may have: below, it would be subnormal and flushed to zero on some devices.
-const EXPONENTS: std::ops::RangeInclusive<i32> = 1..=254;
+/// Biased exponents that a grid's step may have: below, it would be subnormal and flushed to zero on some devices; above,
+/// its inverse would.
+const EXPONENTS: std::ops::RangeInclusive<i32> = 1..=253;
 
 crate::gpu_struct! {
     /// Eight children; object space.

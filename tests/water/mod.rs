@@ -64,6 +64,7 @@ impl Stage {
 
     pub fn go_to(&mut self, frame: u32) -> Vec<MeshId> {
         let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene).unwrap();
+        self.animator.followed();
         assert_valid(&self.device);
         moved.meshes
     }

@@ -31,6 +31,10 @@ pub trait Pose: Copy {
     fn at(span: &Span, poses: &[Self]) -> Self;
     /// Whether a motion that repeats may end with this pose and begin with the other.
     fn joins(&self, other: &Self) -> bool;
+    /// Whether there is one way to the pose of the next key.
+    fn leads_to(&self, _next: &Self) -> bool {
+        true
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +98,11 @@ impl Pose for Placement {
     fn joins(&self, other: &Self) -> bool {
         let same_rotation = self.rotate.dot(other.rotate).abs() > 1.0 - 1e-12;
         self.translate == other.translate && self.scale == other.scale && same_rotation
+    }
+
+    /// Of half a turn, rounding would decide which way it goes.
+    fn leads_to(&self, next: &Self) -> bool {
+        self.rotate.dot(next.rotate).abs() > 1e-9
     }
 }
 

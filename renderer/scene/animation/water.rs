@@ -12,8 +12,17 @@ pub const GRAVITY: f64 = 9.806_65;
 /// A simulated wave crosses at most this part of a cell in a step. Leapfrog on square cells is stable up to 0.707.
 pub const MOST_CELLS_PER_STEP: f64 = 0.5;
 
+/// Damping times the length of a step, at most. From 2 on an increment would change its sign from step to step.
+pub const MOST_DAMPING_PER_STEP: f64 = 0.5;
+
 /// Steps of a simulation between two frames, at most.
 pub const MOST_STEPS_PER_FRAME: u32 = 1000;
+
+/// Vertices times steps and drops from time 0 to a frame, at most: some days without a GPU, at 31 ns each on llvmpipe.
+const MOST_WORK: f64 = 1e13;
+
+/// The last frame that simulated water can be taken to, however small it is.
+const LAST_FRAME: u32 = 1_000_000;
 
 /// A height field whose mesh moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +86,8 @@ impl Simulation {
     /// What falls on `field` from time `from`, inclusive, to time `to`, exclusive, in the order of time; seconds. Intervals
     /// that join hold the same drops as their union, to the last bit.
     pub fn drops_between(&self, field: &HeightField, from: f64, to: f64) -> Vec<Drop> {
-        let mut drops: Vec<Drop> = self.drops.iter().copied().filter(|drop| (from..to).contains(&drop.time)).collect();
+        let before = |time: f64| self.drops.partition_point(|drop| drop.time < time);
+        let mut drops = self.drops[before(from)..before(to).max(before(from))].to_vec();
         if let Some(rain) = &self.rain {
             drops.extend(rain.between(field, from, to));
             drops.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -86,15 +96,30 @@ impl Simulation {
     }
 
     /// The least number of equal steps between frames in which no wave crosses more than [`MOST_CELLS_PER_STEP`] of a cell
-    /// of `field`. A scene file's is at most [`MOST_STEPS_PER_FRAME`].
+    /// of `field`, and damping is at most [`MOST_DAMPING_PER_STEP`]. A scene file's is at most [`MOST_STEPS_PER_FRAME`].
     pub fn steps_per_frame(&self, field: &HeightField, fps: f64) -> u32 {
         let cells_per_frame = self.speed / (fps * field.least_spacing());
-        (cells_per_frame / MOST_CELLS_PER_STEP).ceil().max(1.0) as u32
+        let damping_per_frame = self.damping / fps;
+        let steps = (cells_per_frame / MOST_CELLS_PER_STEP).max(damping_per_frame / MOST_DAMPING_PER_STEP);
+        steps.ceil().max(1.0) as u32
     }
 
-    /// Metres per second, at which [`steps_per_frame`](Self::steps_per_frame) is [`MOST_STEPS_PER_FRAME`].
+    /// The last frame that may be gone to: all before it have to be simulated.
+    pub fn last_frame(&self, field: &HeightField, fps: f64) -> u32 {
+        let vertices = field.quads.map(|quads| f64::from(quads) + 1.0).iter().product::<f64>();
+        let drops = self.rain.as_ref().map_or(0.0, |rain| rain.rate / fps);
+        let work_per_frame = vertices * (f64::from(self.steps_per_frame(field, fps)) + drops);
+        (MOST_WORK / work_per_frame).min(LAST_FRAME.into()) as u32
+    }
+
+    /// Metres per second, at which waves take [`MOST_STEPS_PER_FRAME`] between frames.
     pub fn fastest(field: &HeightField, fps: f64) -> f64 {
         f64::from(MOST_STEPS_PER_FRAME) * MOST_CELLS_PER_STEP * fps * field.least_spacing()
+    }
+
+    /// The damping, 1/s, that takes [`MOST_STEPS_PER_FRAME`] between frames.
+    pub fn most_damping(fps: f64) -> f64 {
+        f64::from(MOST_STEPS_PER_FRAME) * MOST_DAMPING_PER_STEP * fps
     }
 }
 
@@ -128,7 +153,16 @@ pub fn angular_frequency(wave: &Wave, depth: Option<f64>) -> f64 {
 }
 
 impl HeightField {
-    /// The field with its waves where they are at `time`, seconds.
+    /// What no height, at any time, differs from `base` by more than: all there is in one place, metres.
+    pub fn most_above_base(&self) -> f64 {
+        let waves: f64 = self.waves.iter().map(|wave| wave.amplitude.abs()).sum();
+        let bumps: f64 = self.bumps.iter().map(|bump| bump.height.abs()).sum();
+        // Splines between pixels overshoot by less than half of what they join.
+        let relief = self.relief.as_ref().map_or(0.0, |relief| 1.5 * relief.height.abs());
+        waves + bumps + relief
+    }
+
+    /// The field with its waves where they are at `time`, seconds: what the device's vertices are checked against.
     pub fn at(&self, depth: Option<f64>, time: f64) -> HeightField {
         let mut field = self.clone();
         for wave in &mut field.waves {
@@ -218,6 +252,23 @@ mod tests {
             let fastest = Simulation { speed: Simulation::fastest(&field, fps), ..rainy() };
             assert_eq!(fastest.steps_per_frame(&field, fps), MOST_STEPS_PER_FRAME);
         }
+    }
+
+    #[test]
+    fn the_last_frame_goes_by_the_work_before_it() {
+        let last = |quads, rain| Simulation { rain, ..rainy() }.last_frame(&field(quads), 1000.0);
+        assert_eq!(last([8, 8], rainy().rain), LAST_FRAME);
+        // 2049 x 2049 vertices, four steps, and a drop every two frames.
+        let drops = Rain { rate: 500.0, ..rainy().rain.unwrap() };
+        assert_eq!([last([2048, 2048], None), last([2048, 2048], Some(drops))], [595_464, 529_302]);
+    }
+
+    #[test]
+    fn strong_damping_takes_more_steps() {
+        let (field, fps) = (field([4, 2]), 24.0);
+        let steps = |damping| Simulation { speed: 0.1, damping, ..rainy() }.steps_per_frame(&field, fps);
+        assert_eq!([0.0, 12.0, 12.1, 1e3].map(steps), [1, 1, 2, 84]);
+        assert_eq!(steps(Simulation::most_damping(fps)), MOST_STEPS_PER_FRAME);
     }
 
     #[test]
