@@ -82,6 +82,8 @@ pub struct Renderer {
     own_camera: bool,
     /// Those of [`set_lights`](Renderer::set_lights), in place of the scene's.
     lights: Option<Vec<Light>>,
+    /// The scene's, where others are in their place.
+    own_lights: Vec<Light>,
     size: (u32, u32),
     samples: u32,
     sampling: Sampling,
@@ -168,6 +170,7 @@ impl Renderer {
             camera,
             own_camera: true,
             lights: None,
+            own_lights: Vec::new(),
             size,
             samples,
             sampling,
@@ -250,13 +253,18 @@ impl Renderer {
         &self.camera
     }
 
-    /// Lights the scene by `lights` from now on, at whatever frame, and forgets all samples. They are as many as the
-    /// scene's, each of the same kind.
-    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), RenderError> {
-        self.scene.lights.clone_from(&lights);
-        self.lights = Some(lights);
+    /// Lights the scene by `lights` from now on, at whatever frame, or by its own again, and forgets all samples. They are
+    /// as many as the scene's, each of the same kind.
+    pub fn set_lights(&mut self, lights: Option<Vec<Light>>) -> Result<(), RenderError> {
+        if self.lights.is_none() {
+            self.own_lights.clone_from(&self.scene.lights);
+        }
+        self.scene.lights.clone_from(lights.as_ref().unwrap_or(&self.own_lights));
+        let back = self.lights.is_some() && lights.is_none();
+        self.lights = lights;
         self.gpu_scene.follow(&self.scene)?;
-        self.restart()
+        // Those with keys are where the frame has them, which may be another than when they were left.
+        if back { self.go_to(self.frame) } else { self.restart() }
     }
 
     /// Pixels.

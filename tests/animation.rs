@@ -137,14 +137,14 @@ fn keyed(request: &Request) {
     }
     let moved = picture(&mut row);
     // Another camera and another light, and back.
-    let (camera, lights) = (row.camera().clone(), row.scene().lights.clone());
+    let camera = row.camera().clone();
+    let mut dark = row.scene().lights.clone();
     row.set_camera(Camera { fov_y: 20.0, ..camera.clone() }).unwrap();
-    let mut dark = lights.clone();
     dark[0].emitter = Emitter::Point { position: Vec3::Y, intensity: Vec3::X };
-    row.set_lights(dark).unwrap();
+    row.set_lights(Some(dark)).unwrap();
     let elsewhere = picture(&mut row);
     assert_ne!(layer(&elsewhere.image, "final"), layer(&moved.image, "final"));
-    row.set_lights(lights).unwrap();
+    row.set_lights(None).unwrap();
     row.set_camera(camera).unwrap();
     let back = picture(&mut row);
     assert_valid(row.device());

@@ -89,13 +89,41 @@ size = [100, 100]
 material = "floor"
 "#;
 
+/// Water on the floor, with a lamp in it and one above: one's light is direct, the other's caustic.
+const WATER: &str = r#"
+[[medium]]
+name = "water"
+index = 1.33
+[[material]]
+name = "surface"
+kind = "dielectric"
+front = "air"
+back = "water"
+[[object]]
+name = "surface"
+shape = "plane"
+centre = [0, 0.4, 0]
+size = [100, 100]
+material = "surface"
+[[light]]
+name = "below"
+kind = "point"
+position = [2, 0.3, 1]
+intensity = [3, 1, 0.2]
+medium = "water"
+[[light]]
+name = "above"
+kind = "point"
+position = [-1.5, 0.7, -0.5]
+intensity = [0.6, 1, 2]
+"#;
+
 /// A floor whose light falls off from far above what a screen shows to almost nothing, in three colours.
 fn display(request: &Request) {
-    let light = "kind = \"point\"\nposition = [2, 0.3, 1]\nintensity = [3, 1, 0.2]";
-    let scene = parse(&format!("{FLOOR}\n[[light]]\nname = \"lamp\"\n{light}"));
+    let scene = parse(&format!("{FLOOR}{WATER}"));
     let settings = RenderSettings {
         device: request.device.clone(),
-        technique: TechniqueKind::None,
+        technique: TechniqueKind::Mnee,
         size: Some((32, 24)),
         samples: Some(3),
         ..Default::default()
@@ -105,7 +133,10 @@ fn display(request: &Request) {
         renderer.sample().unwrap();
     }
     let mut display = Display::new(renderer.device()).unwrap();
-    let truth = layer(&renderer.finish().unwrap().image, FINAL_LAYER);
+    let image = renderer.finish().unwrap().image;
+    let truth = layer(&image, FINAL_LAYER);
+    let lit = layer(&image, "caustic").iter().filter(|p| p[2] > 0.01).count();
+    assert!(lit > 9, "{lit} pixels have caustic light");
     for (tone_curve, exposure) in [(ToneCurve::Linear, 0.0), (ToneCurve::Reinhard, 1.5)] {
         let shown = renderer.display(&mut display, Look { exposure, tone_curve }).unwrap();
         let png = tone::display(&truth, exposure, tone::curve(tone_curve));

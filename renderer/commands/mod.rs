@@ -4,7 +4,7 @@ pub mod animate;
 pub mod args;
 pub mod compare;
 pub mod devices;
-mod interrupt;
+pub(crate) mod interrupt;
 mod output;
 mod places;
 mod progress;

@@ -163,6 +163,12 @@ impl DeviceInner {
         self.instance.messages()
     }
 
+    /// The list that the validation layers write to, for after the device is gone.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn validation_log(&self) -> super::instance::Messages {
+        self.instance.log()
+    }
+
     pub fn warnings(&self) -> Vec<String> {
         self.warnings.lock().map(|w| w.clone()).unwrap_or_default()
     }

@@ -87,6 +87,12 @@ impl Instance {
         Ok(Instance { raw, debug_utils, debug, messages, entry, _callback_target: callback_target })
     }
 
+    /// The list of messages, to be read when all else is gone.
+    #[cfg(feature = "viewer")]
+    pub fn log(&self) -> Messages {
+        self.messages.clone()
+    }
+
     /// What the validation layers have said so far; empty without validation.
     pub fn messages(&self) -> Vec<String> {
         self.messages.lock().map(|m| m.clone()).unwrap_or_default()

@@ -17,6 +17,10 @@ impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> Handles for T {}
 /// A window that lives as long as what shows pictures in it.
 pub type WindowHandles = Arc<dyn Handles>;
 
+/// Formats of four bytes, those that encode sRGB by themselves first. Pictures of others cannot be captured.
+pub(super) const EIGHT_BITS: [vk::Format; 4] =
+    [vk::Format::B8G8R8A8_SRGB, vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
+
 /// A window's surface. It keeps the window and the instance alive.
 pub struct Surface {
     pub(super) raw: vk::SurfaceKHR,
@@ -123,14 +127,13 @@ impl Surface {
             .call("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")
     }
 
-    /// The format of its pictures: sRGB where there is such a one.
+    /// The format of its pictures: the first of [`EIGHT_BITS`] that there is, or else any.
     pub(super) fn format(&self, device: &Device) -> Result<vk::SurfaceFormatKHR, GpuError> {
         // SAFETY: as above.
         let formats = unsafe { self.functions.get_physical_device_surface_formats(device.info.raw, self.raw) }
             .call("vkGetPhysicalDeviceSurfaceFormatsKHR")?;
         let rank = |format: &vk::SurfaceFormatKHR| {
-            let known = [vk::Format::B8G8R8A8_SRGB, vk::Format::R8G8B8A8_SRGB];
-            known.iter().position(|f| *f == format.format).unwrap_or(known.len())
+            EIGHT_BITS.iter().position(|known| *known == format.format).unwrap_or(EIGHT_BITS.len())
         };
         let best = formats.iter().min_by_key(|format| rank(format)).copied();
         best.ok_or_else(|| GpuError::CannotPresent { device: device.info.name.clone() })

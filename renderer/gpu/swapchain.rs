@@ -3,7 +3,11 @@
 use ash::{khr, vk};
 
 use super::error::Call;
+use super::surface::EIGHT_BITS;
 use super::{Buffer, Device, GpuError, Painter, Surface};
+
+/// Nanoseconds to wait for a picture of the window. A display that shows none must not keep the program from its events.
+const LONGEST_WAIT: u64 = 100_000_000;
 
 /// What became of a picture for the window.
 #[derive(Debug, PartialEq)]
@@ -12,7 +16,7 @@ pub enum Drawn {
     Shown(Option<(u32, u32, Vec<[u8; 3]>)>),
     /// The window has no area at this moment, being minimised.
     Hidden,
-    /// The window has changed; it is to be drawn again.
+    /// The window has changed, or the display is not ready; it is to be drawn again.
     Again,
 }
 
@@ -84,17 +88,21 @@ impl Swapchain {
     /// # Errors
     /// Those of the device. A swapchain that is out of date or a surface that is lost is made anew instead.
     pub fn draw(&mut self, size: (u32, u32), painter: &mut Painter, capture: bool) -> Result<Drawn, GpuError> {
-        if self.stale && !self.remake(size)? {
-            return Ok(Drawn::Hidden);
+        if self.stale
+            && let Some(not_drawn) = self.remake(size)?
+        {
+            return Ok(not_drawn);
         }
         // SAFETY: the semaphore is not in use, since the last submission that waited for it has ended.
-        let acquired =
-            unsafe { self.functions.acquire_next_image(self.raw, u64::MAX, self.commands.acquired, vk::Fence::null()) };
+        let acquired = unsafe {
+            self.functions.acquire_next_image(self.raw, LONGEST_WAIT, self.commands.acquired, vk::Fence::null())
+        };
         let index = match acquired {
             Ok((index, suboptimal)) => {
                 self.stale |= suboptimal;
                 index
             }
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(Drawn::Again),
             Err(error) => return self.changed(error, "vkAcquireNextImageKHR"),
         };
         let read = if capture && self.readable { Some(self.capture_buffer()?) } else { None };
@@ -137,8 +145,8 @@ impl Swapchain {
         GpuError::DeviceLost { device: self.device.info.name.clone(), pass: "the window".to_string() }
     }
 
-    /// Makes the swapchain anew for the window as it is; `false` where the window has no area.
-    fn remake(&mut self, (width, height): (u32, u32)) -> Result<bool, GpuError> {
+    /// Makes the swapchain anew for the window as it is, or tells why nothing can be drawn.
+    fn remake(&mut self, (width, height): (u32, u32)) -> Result<Option<Drawn>, GpuError> {
         let allowed = match self.surface.capabilities(&self.device) {
             Err(GpuError::Vulkan { result: vk::Result::ERROR_SURFACE_LOST_KHR, .. }) => {
                 self.clear()?;
@@ -157,10 +165,11 @@ impl Swapchain {
             current => current,
         };
         if extent.width == 0 || extent.height == 0 || width == 0 || height == 0 {
-            return Ok(false);
+            return Ok(Some(Drawn::Hidden));
         }
         self.clear()?;
-        self.readable = allowed.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+        self.readable = allowed.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_SRC)
+            && EIGHT_BITS.contains(&self.format.format);
         let copied = if self.readable { vk::ImageUsageFlags::TRANSFER_SRC } else { vk::ImageUsageFlags::empty() };
         let opaque = vk::CompositeAlphaFlagsKHR::OPAQUE;
         let alpha = if allowed.supported_composite_alpha.contains(opaque) {
@@ -187,8 +196,7 @@ impl Swapchain {
         self.raw = match unsafe { self.functions.create_swapchain(&info, None) } {
             Ok(raw) => raw,
             // The window changed in between: the next attempt will see it.
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(false),
-            Err(error) => return Err(self.failure(error, "vkCreateSwapchainKHR")),
+            Err(error) => return self.changed(error, "vkCreateSwapchainKHR").map(Some),
         };
         self.extent = extent;
         // SAFETY: the swapchain was just made.
@@ -206,7 +214,7 @@ impl Swapchain {
             target.create(&self.device, self.format.format, self.render_pass, extent)?;
         }
         self.stale = false;
-        Ok(true)
+        Ok(None)
     }
 
     fn record(&self, index: usize, painter: &mut Painter, read: Option<&Buffer>) -> Result<(), GpuError> {

@@ -10,6 +10,8 @@ const POLE: f32 = 0.02;
 const RADIANS_PER_HEIGHT: f32 = 3.0;
 /// Distance per notch of the wheel.
 const ZOOM: f32 = 0.88;
+/// Metres that the camera stays off its target: the way to look would be lost.
+const NEAREST: f32 = 1e-3;
 
 /// What dragging does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +44,10 @@ pub fn pan(camera: &mut Camera, delta: Vec2) {
 pub fn zoom(camera: &mut Camera, control: Control, notches: f32, speed: f32) {
     let arm = camera.target - camera.position;
     match control {
-        Control::Orbit => camera.position = camera.target - arm * ZOOM.powf(notches),
+        Control::Orbit => {
+            let distance = (arm.length() * ZOOM.powf(notches)).max(NEAREST);
+            camera.position = camera.target - arm.normalize_or_zero() * distance;
+        }
         Control::Fly => shift(camera, arm.normalize_or_zero() * notches * 0.1 * speed),
     }
 }
@@ -125,5 +130,7 @@ mod tests {
         assert!((camera.position - Vec3::new(1.0, 3.0, 1.0)).length() < 1e-5);
         zoom(&mut camera, Control::Orbit, 1.0, 0.0);
         assert!(((camera.target - camera.position).length() - 4.0 * ZOOM).abs() < 1e-5);
+        zoom(&mut camera, Control::Orbit, 1000.0, 0.0);
+        assert!((camera.target - camera.position).length() > 0.5 * NEAREST);
     }
 }

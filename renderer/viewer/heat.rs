@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::pane::Pane;
+use super::state::Wish;
 use crate::image::{self, FINAL_LAYER, ImageError, LayeredImage, Mask, RgbImage, heatmap, metrics};
 
 /// Of the time, what making heat maps may take.
@@ -20,11 +21,14 @@ pub struct Heat {
     pub shown: bool,
     pub map: Option<Map>,
     made: Option<(Instant, Duration)>,
+    /// Of the latest map.
+    version: u64,
 }
 
 /// A heat map of the picture after some samples.
 pub struct Map {
     pub samples: u32,
+    restarts: u64,
     pub layer: String,
     /// Pixels.
     pub size: (u32, u32),
@@ -49,7 +53,7 @@ impl Heat {
             truth.select(path, None)?;
             return Err(ImageError::Read { path: path.to_owned(), reason: "it holds no picture".to_string() });
         };
-        Ok(Heat { truth, path: path.to_owned(), layers, layer, shown: false, map: None, made: None })
+        Ok(Heat { truth, path: path.to_owned(), layers, layer, shown: false, map: None, made: None, version: 0 })
     }
 
     /// The truth's pixels.
@@ -61,8 +65,15 @@ impl Heat {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// Makes the map anew where the picture has changed and the last one is long enough ago, or where `now` asks for it.
-    pub fn update(&mut self, pane: &Pane, now: bool) {
+    /// Makes the map anew where the picture has changed and the last one is long enough ago, or where `now` asks for it. A
+    /// map of another picture than the wish's goes at once.
+    pub fn update(&mut self, pane: &Pane, wish: &Wish, now: bool) {
+        if self.map.as_ref().is_some_and(|map| map.restarts != pane.restarts) || !pane.follows(wish) {
+            self.map = None;
+        }
+        if !pane.follows(wish) {
+            return;
+        }
         let samples = pane.done();
         let current = self.map.as_ref().is_some_and(|map| map.samples == samples && map.layer == self.layer);
         let early = self.made.is_some_and(|(at, cost)| at.elapsed() < cost * SHARE);
@@ -70,14 +81,15 @@ impl Heat {
             return;
         }
         let started = Instant::now();
-        let version = self.map.as_ref().map_or(0, |map| map.version) + 1;
+        self.version += 1;
         let empty = Map {
             samples,
+            restarts: pane.restarts,
             layer: self.layer.clone(),
             size: (1, 1),
             pixels: vec![heatmap::OUTSIDE],
             result: Err(String::new()),
-            version,
+            version: self.version,
         };
         self.map = Some(match self.compare(pane) {
             Ok((heat, error)) => Map {

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::state::Followed;
 use crate::stats::PassTotal;
 
 /// Samples that are remembered.
@@ -40,12 +41,14 @@ impl History {
         }
     }
 
-    /// Leaves out what passes take before the next sample, and forgets passes that ran no more.
-    pub fn restart(&mut self, totals: &[PassTotal]) {
-        self.totals = totals.to_vec();
-        let names: Vec<String> = totals.iter().map(|total| total.name.clone()).collect();
-        if !self.names.iter().all(|name| names.contains(name)) {
-            *self = History { totals: std::mem::take(&mut self.totals), ..Default::default() };
+    /// Samples begin anew. Going to a frame is time of the sample after it; what else passes have taken before is left
+    /// out, and another technique begins another history.
+    pub fn restart(&mut self, followed: Followed, totals: &[PassTotal]) {
+        match followed {
+            Followed::Already => {}
+            Followed::Restarted => self.totals = totals.to_vec(),
+            Followed::Posed => self.totals.clear(),
+            Followed::Technique => *self = History { totals: totals.to_vec(), ..Default::default() },
         }
     }
 
@@ -75,7 +78,14 @@ mod tests {
         history.add(&[total("a", 2, 5.0), total("b", 1, 1.0)]);
         assert_eq!(history.columns[1], [3.0, 1.0]);
         assert_eq!(history.means(2), [2.5, 0.5]);
-        history.restart(&[total("b", 1, 1.0)]);
-        assert!(history.names.is_empty());
+        history.restart(Followed::Restarted, &[total("a", 3, 9.0), total("b", 1, 1.0)]);
+        history.add(&[total("a", 4, 10.0), total("b", 1, 1.0)]);
+        assert_eq!(history.columns[2], [1.0, 0.0]);
+        // As many calls as before, all of them new.
+        history.restart(Followed::Posed, &[total("b", 1, 0.5)]);
+        history.add(&[total("a", 4, 6.0), total("b", 1, 0.5)]);
+        assert_eq!((history.columns.len(), &history.columns[3]), (4, &vec![6.0, 0.5]));
+        history.restart(Followed::Technique, &[]);
+        assert!(history.names.is_empty() && history.columns.is_empty());
     }
 }

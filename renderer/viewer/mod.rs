@@ -61,6 +61,8 @@ pub enum ViewError {
         "no window can be opened: {reason}; run it on a desktop, or make pictures without a window by 'nephroid render'"
     )]
     NoDisplay { reason: String },
+    #[error("{reason}")]
+    Picture { reason: String },
     #[error("the validation layers have {count} messages, of which the first is: {first}")]
     Validation { count: usize, first: String },
 }

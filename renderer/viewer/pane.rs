@@ -1,13 +1,14 @@
 //! One picture of the window: a renderer at full size, and one at a fraction of it for as long as things move.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::history::History;
-use super::state::{Eye, Method, Stage, Wish};
+use super::state::{Eye, Followed, Method, Stage, Wish};
 use crate::display::{Display, Look};
 use crate::gpu::Device;
 use crate::image::LayeredImage;
-use crate::render::{RenderError, RenderSettings, Renderer};
+use crate::render::{MAX_SIDE, RenderError, RenderSettings, Renderer};
 use crate::scene::Scene;
 use crate::stats::Stats;
 
@@ -22,14 +23,21 @@ pub struct Shown {
     pub samples: u32,
     pub frame: u32,
     look: Look,
-    /// Counts up with every new picture.
+    /// No two pictures of any panes have the same.
     pub version: u64,
 }
+
+/// Of the latest picture of any pane.
+static VERSION: AtomicU64 = AtomicU64::new(0);
 
 pub struct Pane {
     pub method: Method,
     full: Stage,
     draft: Option<Stage>,
+    /// Whether the draft is the latest that followed a wish.
+    drafted: bool,
+    /// How often the picture at full size was started over.
+    pub restarts: u64,
     display: Display,
     pub shown: Option<Shown>,
     /// 8-bit sRGB and alpha, of what is shown.
@@ -60,6 +68,8 @@ impl Pane {
             method: method.clone(),
             full: stage(base, wish, method)?,
             draft: None,
+            drafted: false,
+            restarts: 0,
             display: Display::new(base.device)?,
             shown: None,
             pixels: Vec::new(),
@@ -76,6 +86,11 @@ impl Pane {
         &self.full.renderer
     }
 
+    /// The renderer that is at what is shown, be it of full size or not.
+    pub fn seen(&self) -> &Renderer {
+        self.draft.as_ref().filter(|_| self.drafted).map_or(self.renderer(), |draft| &draft.renderer)
+    }
+
     /// Samples of the picture at full size.
     pub fn done(&self) -> u32 {
         self.full.renderer.done()
@@ -88,11 +103,13 @@ impl Pane {
 
     /// Whether there are fewer than `limit` samples of this wish, and more can come.
     pub fn wants_more(&self, wish: &Wish, limit: u32) -> bool {
-        !self.failed(wish) && (!self.follows(wish) || self.done() < limit)
+        self.failure_of(wish).is_none() && (!self.follows(wish) || self.done() < limit)
     }
 
-    fn failed(&self, wish: &Wish) -> bool {
-        self.failure.as_ref().is_some_and(|(_, w, method)| w == wish && *method == self.method)
+    /// Why this wish cannot be shown.
+    pub fn failure_of(&self, wish: &Wish) -> Option<&str> {
+        let failure = self.failure.as_ref().filter(|(_, w, method)| w == wish && *method == self.method);
+        failure.map(|(reason, ..)| reason.as_str())
     }
 
     /// Shows the wish: one more sample at a `scale`-th of its size each way, unless there are `limit` already.
@@ -107,7 +124,13 @@ impl Pane {
         limit: u32,
         look: Look,
     ) -> Result<(), RenderError> {
-        if self.failed(wish) {
+        if self.failure_of(wish).is_some() {
+            return Ok(());
+        }
+        let ((width, height), most) = (wish.size, most_side(base.device));
+        if width.max(height) > most {
+            let reason = format!("the picture is {width} x {height} pixels; this device can show 1 to {most} each way");
+            self.failure = Some((reason, wish.clone(), self.method.clone()));
             return Ok(());
         }
         match self.try_advance(base, wish, scale, limit, look) {
@@ -142,8 +165,11 @@ impl Pane {
             self.draft = Some(stage(base, &wish, &method)?);
         }
         let stage = self.draft.as_mut().filter(|_| drafted).unwrap_or(&mut self.full);
-        if stage.follow(&wish, &method)? && !drafted {
-            self.history.restart(stage.renderer.passes());
+        let followed = stage.follow(&wish, &method)?;
+        self.drafted = drafted;
+        if followed != Followed::Already && !drafted {
+            self.history.restart(followed, stage.renderer.passes());
+            self.restarts += 1;
             (self.noise, self.stats_at) = (None, None);
         }
         let renderer = &mut stage.renderer;
@@ -167,7 +193,8 @@ impl Pane {
         let shown = Shown { size: renderer.size(), samples: renderer.done(), frame, look, version };
         if shown.samples > 0 && self.shown.as_ref() != Some(&shown) {
             self.pixels = renderer.display(&mut self.display, look)?;
-            self.shown = Some(Shown { version: version + 1, ..shown });
+            let version = VERSION.fetch_add(1, Ordering::Relaxed) + 1;
+            self.shown = Some(Shown { version, ..shown });
         }
         Ok(())
     }
@@ -191,11 +218,17 @@ impl Pane {
     #[cfg(feature = "hot-reload")]
     pub fn restart(&mut self) -> Result<(), RenderError> {
         self.shown = None;
+        self.restarts += 1;
         for stage in std::iter::once(&mut self.full).chain(&mut self.draft) {
             stage.renderer.restart()?;
         }
         Ok(())
     }
+}
+
+/// Pixels along one side of a picture that the window can show, at most: it is one texture.
+pub fn most_side(device: &Device) -> u32 {
+    device.info.limits.target_side.min(MAX_SIDE)
 }
 
 /// A renderer for the wish, or as near as can be had at once; it follows the rest.

@@ -49,10 +49,13 @@ impl Slot {
         self.held = Some((size, version));
     }
 
-    fn take_pane(&mut self, ui: &Ui, name: &str, pane: &Pane) {
-        if let Some(shown) = &pane.shown {
-            let rgba = |size| ColorImage::from_rgba_premultiplied(size, pane.pixels.as_flattened());
-            self.take(ui, name, shown.size, shown.version, rgba);
+    fn take_pane(&mut self, ui: &Ui, name: &str, pane: Option<&Pane>) {
+        match pane.and_then(|pane| pane.shown.as_ref().map(|shown| (shown, &pane.pixels))) {
+            Some((shown, pixels)) => {
+                let rgba = |size| ColorImage::from_rgba_premultiplied(size, pixels.as_flattened());
+                self.take(ui, name, shown.size, shown.version, rgba);
+            }
+            None => *self = Slot::default(),
         }
     }
 
@@ -71,12 +74,14 @@ impl Pictures {
         let free = ui.available_rect_before_wrap();
         let area = fitted(free, session.wish.size, ui.ctx().pixels_per_point());
         let response = ui.allocate_rect(free, Sense::click_and_drag());
-        self.left.take_pane(ui, "picture", &session.left);
-        self.left.draw(ui, area, 0.0, 1.0);
-        if let Some(right) = &session.right {
-            self.right.take_pane(ui, "second picture", right);
-            self.right.draw(ui, area, session.divider, 1.0);
+        self.left.take_pane(ui, "picture", Some(&session.left));
+        self.right.take_pane(ui, "second picture", session.right.as_ref());
+        // A panel that fills the window leaves nothing.
+        if !area.is_positive() {
+            return;
         }
+        self.left.draw(ui, area, 0.0, 1.0);
+        self.right.draw(ui, area, session.divider, 1.0);
         if let Some(heat) = session.heat.as_ref().filter(|heat| heat.shown)
             && let Some(map) = &heat.map
         {

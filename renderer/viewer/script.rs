@@ -105,8 +105,9 @@ fn parse(text: &str) -> Result<Step, String> {
         "set" => Step::Set(need("technique.key=value")?.to_string()),
         "camera" => Step::Camera(need("the name of a camera")?.to_string()),
         "turn" => {
-            let (x, y) = need("two numbers")?.split_once(' ').ok_or("'turn' needs two numbers")?;
-            Step::Turn(real(x)?, real(y.trim())?)
+            let words: Vec<&str> = need("two numbers")?.split_whitespace().collect();
+            let [x, y] = words[..] else { return Err("'turn' needs two numbers".to_string()) };
+            Step::Turn(real(x)?, real(y)?)
         }
         "frame" => Step::Frame(number(need("a frame's number")?, "a frame's number")?),
         "exposure" => Step::Exposure(real(need("stops")?)?),
@@ -144,6 +145,7 @@ mod tests {
         assert_eq!(parse("technique mnee"), Ok(Step::Technique(TechniqueKind::Mnee)));
         assert_eq!(parse("size 320x240"), Ok(Step::Size(320, 240)));
         assert_eq!(parse("turn 0.5 -0.25"), Ok(Step::Turn(0.5, -0.25)));
+        assert_eq!(parse("turn\t1\t  2"), Ok(Step::Turn(1.0, 2.0)));
         assert_eq!(parse("split off"), Ok(Step::Split(None)));
         for (line, message) in [
             ("jump", "'jump' is no step"),

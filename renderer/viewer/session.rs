@@ -39,7 +39,26 @@ pub struct Play {
     pub rate: f64,
     /// One past the last frame of the loop.
     pub end: u32,
-    since: Option<(Instant, u32)>,
+    since: Option<Since>,
+}
+
+/// What the clock of an animation counts from.
+struct Since {
+    start: Instant,
+    first: u32,
+    rate: f64,
+    /// The frame that the clock asked for last.
+    asked: u32,
+}
+
+/// What the window shows that can change between drawings, without the user.
+#[derive(Clone, PartialEq)]
+pub struct News {
+    pictures: [Option<u64>; 2],
+    map: Option<u64>,
+    stats: [Option<u32>; 2],
+    message: Option<(String, bool)>,
+    failed: [bool; 2],
 }
 
 pub struct Session {
@@ -146,7 +165,7 @@ impl Session {
             more = self.sample()?;
         }
         if let Some(heat) = &mut self.heat {
-            heat.update(&self.left, !more);
+            heat.update(&self.left, &self.wish, !more);
         }
         if !self.is_moving() {
             self.left.read_stats()?;
@@ -188,11 +207,16 @@ impl Session {
             self.play.since = None;
             return;
         }
-        let (start, first) = *self.play.since.get_or_insert((Instant::now(), self.wish.frame));
+        let (frame, rate) = (self.wish.frame, self.play.rate);
+        // A frame or speed from elsewhere starts the clock anew.
+        self.play.since.take_if(|since| since.asked != frame || since.rate != rate);
+        let since = Since { start: Instant::now(), first: frame, rate, asked: frame };
+        let since = self.play.since.get_or_insert(since);
         let seen = |pane: &Pane| pane.shown.as_ref().is_none_or(|shown| shown.frame == self.wish.frame);
         if seen(&self.left) && self.right.as_ref().is_none_or(seen) {
-            let passed = (start.elapsed().as_secs_f64() * self.play.rate) as u32;
-            self.wish.frame = first.wrapping_add(passed) % self.play.end.max(1);
+            let passed = (since.start.elapsed().as_secs_f64() * rate) as u32;
+            since.asked = since.first.wrapping_add(passed) % self.play.end.max(1);
+            self.wish.frame = since.asked;
         }
     }
 
@@ -201,40 +225,66 @@ impl Session {
         match &self.wish.eye {
             Eye::Own(camera) => camera.clone(),
             Eye::Scene(name) => {
-                let moved = self.left.renderer().scene().cameras.iter().find(|camera| camera.name == *name);
-                moved.unwrap_or(self.left.renderer().camera()).clone()
+                let seen = self.left.seen();
+                let moved = seen.scene().cameras.iter().find(|camera| camera.name == *name);
+                moved.unwrap_or(seen.camera()).clone()
             }
         }
     }
 
-    /// Moves the camera by hand. Which medium it is in follows from where it is.
+    /// Moves the camera by hand, unless it would end up nowhere. Which medium it is in follows from where it is.
     pub fn move_camera(&mut self, change: impl FnOnce(&mut Camera)) {
         let mut camera = self.camera();
         let before = camera.position;
         change(&mut camera);
+        if !camera.position.is_finite() || !camera.target.is_finite() || !camera.fov_y.is_finite() {
+            return;
+        }
         if camera.position != before {
-            camera.medium = medium::at(self.left.renderer().scene(), camera.position).unwrap_or(camera.medium);
+            camera.medium = medium::at(self.left.seen().scene(), camera.position).unwrap_or(camera.medium);
         }
         self.wish.eye = Eye::Own(camera);
         self.moves();
     }
 
     /// Shows another technique beside the one that is shown, or the one alone again.
-    pub fn split(&mut self, kind: Option<TechniqueKind>) {
+    pub fn split(&mut self, kind: Option<TechniqueKind>) -> Result<(), RenderError> {
         let Some(kind) = kind else {
             self.right = None;
-            return;
+            return Ok(());
         };
         let mut method = self.left.method.clone();
         method.kind = kind;
         if let Some(right) = &mut self.right {
             right.method = method;
-            return;
+            return Ok(());
         }
         let base = Base { device: &self.device, scene: &self.scene, settings: &self.settings };
-        match Pane::new(&base, &self.wish, &method) {
-            Ok(pane) => self.right = Some(pane),
-            Err(error) => self.message = Some((error.to_string(), true)),
+        self.right = Some(Pane::new(&base, &self.wish, &method)?);
+        Ok(())
+    }
+
+    /// As [`split`](Self::split); what goes wrong is told in the window.
+    pub fn split_or_tell(&mut self, kind: Option<TechniqueKind>) {
+        if let Err(error) = self.split(kind) {
+            self.message = Some((error.to_string(), true));
+        }
+    }
+
+    /// Why a picture of the wish cannot be had.
+    pub fn failure(&self) -> Option<&str> {
+        std::iter::once(&self.left).chain(&self.right).find_map(|pane| pane.failure_of(&self.wish))
+    }
+
+    /// To be compared with that of the last drawing.
+    pub fn news(&self) -> News {
+        let panes = [Some(&self.left), self.right.as_ref()];
+        News {
+            pictures: panes.map(|pane| pane.and_then(|pane| pane.shown.as_ref()).map(|shown| shown.version)),
+            map: self.heat.as_ref().and_then(|heat| heat.map.as_ref()).map(|map| map.version),
+            stats: panes.map(|pane| pane.and_then(|pane| pane.stats.as_ref()).map(|stats| stats.samples)),
+            message: self.message.clone(),
+            failed: panes.map(|pane| pane.is_some_and(|pane| pane.failure.is_some())),
         }
     }
 
@@ -276,13 +326,17 @@ impl Session {
         });
     }
 
-    /// Renders a sample at full size where things have moved since the last one.
-    fn catch_up(&mut self) -> Result<(), ViewError> {
+    /// Renders a sample at full size where there is none of the wish.
+    pub fn catch_up(&mut self) -> Result<(), ViewError> {
         let Session { device, scene, settings, wish, left, look, .. } = self;
-        if !left.follows(wish) {
-            left.advance(&Base { device, scene, settings }, wish, 1, 1, *look)?;
+        if left.follows(wish) && left.done() > 0 {
+            return Ok(());
         }
-        Ok(())
+        left.advance(&Base { device, scene, settings }, wish, 1, 1, *look)?;
+        match left.failure_of(wish) {
+            Some(reason) => Err(ViewError::Picture { reason: reason.to_string() }),
+            None => Ok(()),
+        }
     }
 
     #[cfg(feature = "hot-reload")]

@@ -81,7 +81,8 @@ impl Method {
 
     /// Whether both come to the same picture.
     fn is_like(&self, other: &Method) -> bool {
-        self.kind == other.kind && self.items() == other.items()
+        let same = |setting| self.value(setting) == other.value(setting);
+        self.kind == other.kind && self.kind.settings().iter().all(same)
     }
 
     /// The same for a picture of a `scale`-th of the size each way. Photons are what the reference's sample costs, whatever
@@ -96,6 +97,19 @@ impl Method {
         }
         draft
     }
+}
+
+/// What it took to follow a wish.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Followed {
+    /// Nothing.
+    Already,
+    /// The samples are forgotten.
+    Restarted,
+    /// As well as the times of passes.
+    Posed,
+    /// As well as the passes themselves.
+    Technique,
 }
 
 /// A renderer and what it shows.
@@ -113,15 +127,22 @@ impl Stage {
         Stage { renderer, wish, method, broken: false }
     }
 
-    /// Brings the renderer to what is wanted; `true` where that started it over.
-    pub fn follow(&mut self, wish: &Wish, method: &Method) -> Result<bool, RenderError> {
-        if !self.is(wish, method) {
-            let was_broken = std::mem::replace(&mut self.broken, true);
-            self.change(wish, method, was_broken)?;
-            self.broken = false;
-            return Ok(true);
+    /// Brings the renderer to what is wanted.
+    pub fn follow(&mut self, wish: &Wish, method: &Method) -> Result<Followed, RenderError> {
+        if self.is(wish, method) {
+            return Ok(Followed::Already);
         }
-        Ok(false)
+        let was_broken = std::mem::replace(&mut self.broken, true);
+        let followed = if was_broken || !self.method.is_like(method) {
+            Followed::Technique
+        } else if self.wish.frame != wish.frame || (self.wish.lights.is_some() && wish.lights.is_none()) {
+            Followed::Posed
+        } else {
+            Followed::Restarted
+        };
+        self.change(wish, method, was_broken)?;
+        self.broken = false;
+        Ok(followed)
     }
 
     /// Whether the renderer shows just this.
@@ -141,10 +162,8 @@ impl Stage {
             }
             self.wish.eye = wish.eye.clone();
         }
-        if self.wish.lights != wish.lights
-            && let Some(lights) = &wish.lights
-        {
-            self.renderer.set_lights(lights.clone())?;
+        if self.wish.lights != wish.lights {
+            self.renderer.set_lights(wish.lights.clone())?;
             self.wish.lights = wish.lights.clone();
         }
         if all || self.wish.size != wish.size {
@@ -171,6 +190,11 @@ mod tests {
         assert_eq!(method.draft(4).items(), ["reference.photons=4000"]);
         method.kind = TechniqueKind::Mnee;
         assert_eq!(method.items(), ["mnee.rest=photons"]);
+        // The order in which settings were set is nothing that a picture depends on, nor is a default that was set.
+        let items = |a: &str, b: &str| Method::new(TechniqueKind::Reference, &[a.to_string(), b.to_string()]);
+        let (photons, rest) = ("reference.photons=64000", "mnee.rest=photons");
+        assert!(items(photons, rest).is_like(&items(rest, photons)));
+        assert!(!items(photons, rest).is_like(&items(rest, rest)));
         assert!(method.set_item("mnee.rest=stars").unwrap_err().contains("allowed is one of"));
     }
 }

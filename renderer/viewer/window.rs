@@ -1,6 +1,9 @@
 //! The window and its events, from opening to closing.
 
+use std::panic;
+use std::process;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use egui::ViewportId;
@@ -14,9 +17,10 @@ use super::heat::Heat;
 use super::panel::{self, PANEL_WIDTH, STATUS_HEIGHT};
 use super::picture::Pictures;
 use super::script::{Script, Step};
-use super::session::{self, Session};
+use super::session::{self, News, Session};
 use super::state::Eye;
 use super::{Closed, ViewError, ViewSettings};
+use crate::commands::interrupt::STATUS;
 use crate::gpu::{Device, Drawn, Painter, Swapchain};
 use crate::image::{Format, ImageError, png};
 use crate::render::Renderer;
@@ -44,17 +48,35 @@ pub fn run(settings: &ViewSettings) -> Result<Closed, ViewError> {
     Renderer::check(&scene, &settings.render)?;
     let script = settings.script.as_deref().map(Script::read).transpose()?.unwrap_or_default();
     let no_display = |reason: String| ViewError::NoDisplay { reason };
-    let events = EventLoop::<Interrupt>::with_user_event().build().map_err(|error| no_display(reason(&error)))?;
+    let events = event_loop().map_err(no_display)?;
     catch_ctrl_c(events.create_proxy());
     let mut app = App { settings, start: Some((scene, heat, script)), live: None, end: Ok(Closed::ByUser) };
     events.run_app(&mut app).map_err(|error| no_display(reason(&error)))?;
     if let Some(live) = app.live.take() {
-        let messages = live.session.device.validation_messages();
+        // What is still held when the device goes is told of only then.
+        let messages = live.session.device.validation_log();
+        drop(live);
+        let messages = messages.lock().map(|messages| messages.clone()).unwrap_or_default();
         if let (Some(first), Ok(_)) = (messages.first(), &app.end) {
             return Err(ViewError::Validation { count: messages.len(), first: first.clone() });
         }
     }
     app.end
+}
+
+/// The connection to the display, or why there is none. winit (0.30) panics where a library of X11 is missing.
+fn event_loop() -> Result<EventLoop<Interrupt>, String> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let built = panic::catch_unwind(|| EventLoop::<Interrupt>::with_user_event().build());
+    panic::set_hook(hook);
+    match built {
+        Ok(built) => built.map_err(|error| reason(&error)),
+        Err(panic) => {
+            let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+            Err(said.unwrap_or("a library of the display is missing").trim_end_matches('.').to_string())
+        }
+    }
 }
 
 /// What a windowing error says, without its place in a source file.
@@ -63,9 +85,16 @@ fn reason(error: &dyn std::fmt::Display) -> String {
     text.rsplit_once(": ").map_or(text.as_str(), |(_, last)| last).trim_end_matches('.').to_string()
 }
 
-/// Where Ctrl-C cannot be caught, it ends the program as it would anyway.
+/// The first Ctrl-C closes the window after the sample at hand, the second ends the program. Where it cannot be caught, it
+/// ends the program as it would anyway.
 fn catch_ctrl_c(proxy: EventLoopProxy<Interrupt>) {
-    let _ = ctrlc::set_handler(move || drop(proxy.send_event(Interrupt)));
+    let came = AtomicBool::new(false);
+    let _ = ctrlc::set_handler(move || {
+        if came.swap(true, Ordering::Relaxed) {
+            process::exit(STATUS.into());
+        }
+        let _ = proxy.send_event(Interrupt);
+    });
 }
 
 struct App<'a> {
@@ -88,15 +117,23 @@ struct Live {
     waiting: Option<Instant>,
     capture: bool,
     captured: Option<(u32, u32, Vec<[u8; 3]>)>,
-    hidden: bool,
+    /// Whether nothing of the window can be seen, as the display tells.
+    occluded: bool,
+    minimised: bool,
+    /// Whether the window had no area when it was to be drawn last.
+    empty: bool,
     repaint_at: Option<Instant>,
+    /// Of the last round of work: whether there was more to do, and what there was to see.
+    before: Option<(bool, News)>,
     window: Arc<Window>,
 }
 
 impl App<'_> {
     fn finish(&mut self, events: &ActiveEventLoop, end: Result<Closed, ViewError>) {
-        self.end = end;
-        events.exit();
+        if !events.exiting() {
+            self.end = end;
+            events.exit();
+        }
     }
 }
 
@@ -110,7 +147,7 @@ impl ApplicationHandler<Interrupt> for App<'_> {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(live) = &mut self.live else { return };
+        let Some(live) = self.live.as_mut().filter(|_| !events.exiting()) else { return };
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => return self.finish(events, Ok(Closed::ByUser)),
             WindowEvent::RedrawRequested => {
@@ -120,7 +157,7 @@ impl ApplicationHandler<Interrupt> for App<'_> {
                 return;
             }
             WindowEvent::Resized(_) => live.swapchain.resized(),
-            WindowEvent::Occluded(hidden) => live.hidden = hidden,
+            WindowEvent::Occluded(occluded) => live.occluded = occluded,
             _ => {}
         }
         live.session.touch();
@@ -134,7 +171,7 @@ impl ApplicationHandler<Interrupt> for App<'_> {
 
     /// Between events: the script goes on, the picture gets better.
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(live) = &mut self.live else { return };
+        let Some(live) = self.live.as_mut().filter(|_| !events.exiting()) else { return };
         match live.work() {
             Ok(Some(next)) => events.set_control_flow(next),
             Ok(None) => self.finish(events, Ok(Closed::ByUser)),
@@ -187,8 +224,11 @@ impl Live {
             waiting: None,
             capture: false,
             captured: None,
-            hidden: false,
+            occluded: false,
+            minimised: false,
+            empty: false,
             repaint_at: None,
+            before: None,
             window,
         })
     }
@@ -199,12 +239,17 @@ impl Live {
             return Ok(None);
         }
         let scripted = !self.script.steps.is_empty();
-        if self.hidden && !scripted {
+        // X11 tells of it only where it is asked.
+        self.minimised = self.window.is_minimized().unwrap_or(false);
+        if self.is_hidden() && !scripted {
             return Ok(Some(ControlFlow::WaitUntil(Instant::now() + IDLE)));
         }
         let more = self.session.advance()?;
         let drawn_for_egui = self.repaint_at.is_some_and(|at| at <= Instant::now());
-        if more || scripted || drawn_for_egui {
+        let now = Some((more, self.session.news()));
+        let changed = self.before != now;
+        self.before = now;
+        if more || scripted || drawn_for_egui || changed {
             self.window.request_redraw();
             return Ok(Some(ControlFlow::Poll));
         }
@@ -212,7 +257,15 @@ impl Live {
         Ok(Some(ControlFlow::WaitUntil(self.repaint_at.map_or(idle, |at| at.min(idle)))))
     }
 
+    fn is_hidden(&self) -> bool {
+        self.occluded || self.minimised || self.empty
+    }
+
     fn draw(&mut self) -> Result<(), ViewError> {
+        // Some drivers wait for a window that is not shown.
+        if (self.occluded || self.minimised) && !self.capture {
+            return Ok(());
+        }
         let size = self.window.inner_size();
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
@@ -225,11 +278,11 @@ impl Live {
         self.painter.set(output.textures_delta, shapes, output.pixels_per_point)?;
         match self.swapchain.draw((size.width, size.height), &mut self.painter, self.capture)? {
             Drawn::Shown(picture) => {
-                self.hidden = false;
+                self.empty = false;
                 self.capture &= picture.is_none();
                 self.captured = picture.or(self.captured.take());
             }
-            Drawn::Hidden => self.hidden = true,
+            Drawn::Hidden => self.empty = true,
             Drawn::Again => self.window.request_redraw(),
         }
         Ok(())
@@ -277,11 +330,12 @@ impl Live {
             Step::Frame(frame) => session.wish.frame = *frame,
             Step::Exposure(stops) => session.look.exposure = *stops,
             Step::Size(width, height) => session.wish.size = (*width, *height),
-            Step::Split(kind) => session.split(*kind),
+            Step::Split(kind) => session.split(*kind).map_err(|e| StepError::Line(e.to_string()))?,
             Step::Heat(layer) => return self.heat_step(layer.as_deref()).map(|()| true),
             Step::Wait(samples) => return self.wait(*samples),
             Step::Screenshot(path) => {
                 let format = session::check(path).map_err(ViewError::from)?;
+                session.catch_up()?;
                 session.save(path, format)?;
             }
             Step::Window(width, height) => {
@@ -295,7 +349,7 @@ impl Live {
             Step::Minimise => self.window.set_minimized(true),
             Step::Restore => {
                 self.window.set_minimized(false);
-                self.hidden = false;
+                (self.occluded, self.minimised, self.empty) = (false, false, false);
             }
             Step::Quit => {}
         }
@@ -328,8 +382,8 @@ impl Live {
             return Ok(false);
         }
         let session = &self.session;
-        if let Some((reason, ..)) = &session.left.failure {
-            return Err(StepError::Line(reason.clone()));
+        if let Some(reason) = session.failure() {
+            return Err(StepError::Line(reason.to_string()));
         }
         Ok(!session.is_moving() && session.follows() && session.done() >= samples)
     }
@@ -368,6 +422,9 @@ enum StepError {
 
 impl From<ViewError> for StepError {
     fn from(error: ViewError) -> Self {
-        StepError::View(error)
+        match error {
+            ViewError::Picture { reason } => StepError::Line(reason),
+            error => StepError::View(error),
+        }
     }
 }

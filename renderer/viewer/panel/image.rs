@@ -1,11 +1,11 @@
 //! How the picture is shown and kept.
 
-use egui::{ComboBox, DragValue, Slider, Ui};
+use egui::{ComboBox, DragValue, Ui};
 
-use super::{BAD, form, row};
-use crate::render::MAX_SIDE;
+use super::{BAD, form, row, slider};
 use crate::scene::ToneCurve;
 use crate::viewer::heat::Heat;
+use crate::viewer::pane;
 use crate::viewer::session::{Scale, Session};
 
 /// Exposure goes so far either way.
@@ -14,7 +14,7 @@ pub const STOPS: f32 = 12.0;
 pub fn show(ui: &mut Ui, session: &mut Session) {
     form(ui, "picture", |ui| {
         row(ui, "exposure", "Stops; of what is shown and of PNG files", |ui| {
-            ui.add(Slider::new(&mut session.look.exposure, -STOPS..=STOPS).fixed_decimals(2));
+            ui.add(slider(&mut session.look.exposure, -STOPS..=STOPS).fixed_decimals(2));
         });
         row(ui, "tone curve", "What becomes of values above 1", |ui| {
             let curve = &mut session.look.tone_curve;
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, session: &mut Session) {
             }
         });
         row(ui, "samples", "After so many the picture is left as it is", |ui| {
-            ui.add(DragValue::new(&mut session.limit).range(1..=1_000_000));
+            ui.add(DragValue::new(&mut session.limit).range(1..=1_000_000).clamp_existing_to_range(false));
         });
     });
     if let Some(heat) = &mut session.heat {
@@ -45,7 +45,9 @@ pub fn show(ui: &mut Ui, session: &mut Session) {
 fn size(ui: &mut Ui, session: &mut Session) {
     let id = ui.id().with("size");
     let mut held = ui.data(|data| data.get_temp(id)).unwrap_or(session.wish.size);
-    let drag = |pixels| DragValue::new(pixels).range(1..=MAX_SIDE.min(8192)).update_while_editing(false);
+    let most = pane::most_side(&session.device);
+    let drag =
+        |pixels| DragValue::new(pixels).range(1..=most).clamp_existing_to_range(false).update_while_editing(false);
     let width = ui.add(drag(&mut held.0));
     ui.label("x");
     let height = ui.add(drag(&mut held.1));

@@ -5,7 +5,10 @@ mod image;
 mod scene;
 mod technique;
 
-use egui::{Align, CentralPanel, Color32, Context, Frame, Key, KeyboardShortcut, Layout, Modifiers, RichText, Ui};
+use egui::{
+    Align, CentralPanel, Color32, Context, Frame, Key, KeyboardShortcut, Layout, Modifiers, RichText, Slider,
+    SliderClamping, Ui,
+};
 
 use super::camera::Control;
 use super::picture::Pictures;
@@ -115,7 +118,7 @@ impl Panel {
         }
         if pressed(Key::X) {
             let kind = session.right.is_none().then_some(TechniqueKind::Reference);
-            session.split(kind);
+            session.split_or_tell(kind);
         }
         if pressed(Key::M) {
             match &mut session.heat {
@@ -241,6 +244,11 @@ fn milliseconds(milliseconds: f32) -> String {
         m if m >= 10.0 => format!("{m:.0} ms"),
         m => format!("{m:.2} ms"),
     }
+}
+
+/// A slider that changes a value only where the user does: egui's own clamps and rounds whatever it shows.
+fn slider<Num: egui::emath::Numeric>(value: &mut Num, range: std::ops::RangeInclusive<Num>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
 /// A row of a form: a name on the left, what it is about as its tooltip, and something to change on the right.

@@ -1,11 +1,12 @@
 //! Camera, lights and water.
 
-use egui::{ComboBox, DragValue, Slider, Ui};
+use egui::{ComboBox, DragValue, Ui};
 use glam::Vec3;
 
-use super::{form, row};
+use super::{form, row, slider};
 use crate::scene::{Emitter, Light};
 use crate::viewer::camera::Control;
+use crate::viewer::medium;
 use crate::viewer::session::Session;
 use crate::viewer::state::Eye;
 
@@ -28,7 +29,7 @@ pub fn camera(ui: &mut Ui, session: &mut Session) {
         });
         row(ui, "view", "Vertical field of view", |ui| {
             let mut fov = session.camera().fov_y;
-            if ui.add(Slider::new(&mut fov, 5.0..=150.0).suffix("°").fixed_decimals(0)).changed() {
+            if ui.add(slider(&mut fov, 5.0..=150.0).suffix("°").fixed_decimals(0)).changed() {
                 session.move_camera(|camera| camera.fov_y = fov);
             }
         });
@@ -51,18 +52,23 @@ pub fn camera(ui: &mut Ui, session: &mut Session) {
 }
 
 pub fn lights(ui: &mut Ui, session: &mut Session) {
-    let shown = session.wish.lights.as_ref().unwrap_or(&session.left.renderer().scene().lights);
+    let shown = session.wish.lights.as_ref().unwrap_or(&session.left.seen().scene().lights);
     let mut lights = shown.clone();
     for (index, (light, own)) in lights.iter_mut().zip(&session.scene.lights).enumerate() {
         ui.label(&light.name);
         form(ui, &format!("light {index}"), |ui| one_light(ui, light, own));
     }
     if lights != *shown {
+        for (light, before) in lights.iter_mut().zip(shown) {
+            if let Some(now) = position(&light.emitter).filter(|now| position(&before.emitter) != Some(*now)) {
+                light.medium = medium::at(session.left.seen().scene(), now).unwrap_or(light.medium);
+            }
+        }
         session.wish.lights = Some(lights);
         session.moves();
     }
     if session.wish.lights.is_some() && ui.button("as in the scene").clicked() {
-        session.wish.lights = Some(session.scene.lights.clone());
+        session.wish.lights = None;
         session.moves();
     }
 }
@@ -73,8 +79,8 @@ fn one_light(ui: &mut Ui, light: &mut Light, own: &Light) {
     row(ui, "strength", "Times the scene's", |ui| {
         let now = strength(&light.emitter).max_element();
         let mut times = if start > 0.0 { now / start } else { 1.0 };
-        let slider = Slider::new(&mut times, 0.01..=100.0).logarithmic(true).suffix(" x").max_decimals(2);
-        if ui.add(slider).changed() && start > 0.0 {
+        let times_of = slider(&mut times, 0.01..=100.0).logarithmic(true).suffix(" x").max_decimals(2);
+        if ui.add(times_of).changed() && start > 0.0 {
             *strength_of(&mut light.emitter) = strength(&own.emitter) * times;
         }
     });
@@ -95,6 +101,14 @@ fn strength(emitter: &Emitter) -> Vec3 {
     }
 }
 
+/// `None` where it is at no place.
+fn position(emitter: &Emitter) -> Option<Vec3> {
+    match emitter {
+        Emitter::Point { position, .. } | Emitter::Spot { position, .. } => Some(*position),
+        Emitter::Directional { .. } => None,
+    }
+}
+
 fn strength_of(emitter: &mut Emitter) -> &mut Vec3 {
     match emitter {
         Emitter::Point { intensity, .. } | Emitter::Spot { intensity, .. } => intensity,
@@ -105,7 +119,9 @@ fn strength_of(emitter: &mut Emitter) -> &mut Vec3 {
 fn place(ui: &mut Ui, position: &mut Vec3) {
     row(ui, "position", "Metres: x, y up, z", |ui| {
         for component in position.as_mut() {
-            ui.add(DragValue::new(component).speed(0.02).range(-1e5..=1e5).max_decimals(2));
+            ui.add(
+                DragValue::new(component).speed(0.02).range(-1e5..=1e5).clamp_existing_to_range(false).max_decimals(2),
+            );
         }
     });
 }
@@ -116,10 +132,10 @@ fn aim(ui: &mut Ui, direction: &mut Vec3) {
     let mut turn = direction.x.atan2(direction.z).to_degrees();
     let before = (fall, turn);
     row(ui, "off vertical", "Between the light's direction and straight down", |ui| {
-        ui.add(Slider::new(&mut fall, 0.0..=180.0).suffix("°").fixed_decimals(1));
+        ui.add(slider(&mut fall, 0.0..=180.0).suffix("°").fixed_decimals(1));
     });
     row(ui, "towards", "Round the vertical, from the z axis to the x axis", |ui| {
-        ui.add(Slider::new(&mut turn, -180.0..=180.0).suffix("°").fixed_decimals(1));
+        ui.add(slider(&mut turn, -180.0..=180.0).suffix("°").fixed_decimals(1));
     });
     if (fall, turn) != before {
         // At the pole the turn would be lost.
@@ -150,7 +166,7 @@ pub fn water(ui: &mut Ui, session: &mut Session) {
     form(ui, "water", |ui| {
         row(ui, "frame", "Each is what 'nephroid render --frame' shows", |ui| {
             let last = session.play.end.saturating_sub(1).max(session.wish.frame);
-            if ui.add(Slider::new(&mut session.wish.frame, 0..=last)).changed() {
+            if ui.add(slider(&mut session.wish.frame, 0..=last)).changed() {
                 session.moves();
             }
         });
@@ -159,7 +175,8 @@ pub fn water(ui: &mut Ui, session: &mut Session) {
         });
         let own = session.scene.animation.fps;
         row(ui, "speed", "Frames shown in a second, as far as rendering keeps up", |ui| {
-            ui.add(DragValue::new(&mut session.play.rate).range(0.1..=240.0).speed(0.1).max_decimals(1).suffix(" fps"));
+            let rate = DragValue::new(&mut session.play.rate).range(0.1..=240.0).clamp_existing_to_range(false);
+            ui.add(rate.speed(0.1).max_decimals(1).suffix(" fps"));
             ui.weak(format!("the scene's: {own}"));
         });
     });

@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, session: &mut Session) {
     let mut split = session.right.is_some();
     if ui.checkbox(&mut split, "split view").on_hover_text("A second technique to the right of a line (X)").changed() {
         let kind = split.then_some(TechniqueKind::Reference);
-        session.split(kind);
+        session.split_or_tell(kind);
     }
     if let Some(right) = &mut session.right {
         choice(ui, "right", &mut right.method);
