@@ -1,11 +1,11 @@
 //! How much pictures of moving water flicker: per technique, the error of the differences between successive frames
-//! against the reference's differences.
+//! against a truth's differences.
 //!
 //! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
-//! `--truth-samples`, `--photons`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change that. Prints a
-//! table and writes `target/bench/flicker.json`.
+//! `--truth reference:16`, `--photons`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change
+//! that. Prints a table and writes `target/bench/flicker.json`.
 //!
-//! The truth is the mean of two runs of the reference with seeds of their own. Its noise is known from their difference and
+//! The truth is the mean of two runs of one technique with seeds of their own. Its noise is known from their difference and
 //! taken out of what is shown: of the mean square of (difference of frames - the truth's), half the mean square noise of
 //! one run's differences is the truth's own. What both runs have in common, the blur of few photons, is not taken out.
 //! All runs are of light refracted once, which is what `mnee` finds by itself. Numbers are relative to the truth's mean.
@@ -27,7 +27,7 @@ struct Options {
     scene: PathBuf,
     layer: String,
     frames: u32,
-    truth_samples: u32,
+    truth: (TechniqueKind, u32),
     /// Of the reference, a set.
     photons: u32,
     runs: Vec<(TechniqueKind, u32)>,
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options(std::env::args().skip(1))?;
     let mut runs = Vec::new();
     for seed in TRUTH_SEEDS {
-        runs.push(sequence(&options, TechniqueKind::Reference, options.truth_samples, seed)?.0);
+        runs.push(sequence(&options, options.truth.0, options.truth.1, seed)?.0);
     }
     let truth: Vec<Picture> = runs[0].iter().zip(&runs[1]).map(|(a, b)| mean_of(a, b)).collect();
     let mean = truth.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / truth.iter().flatten().count() as f64;
@@ -99,7 +99,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "layer": options.layer,
             "size": options.settings.size,
             "frames": options.frames,
-            "truth_samples": options.truth_samples,
+            "truth": [options.truth.0.name(), options.truth.1.to_string().as_str()],
             "photons": options.photons,
             "true_motion": motion,
             "noise_of_truth": (noise_of_steps / 2.0).sqrt() / mean,
@@ -156,7 +156,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
         scene: "scenes/pool.toml".into(),
         layer: "refracted".to_string(),
         frames: 48,
-        truth_samples: 16,
+        truth: (TechniqueKind::Reference, 16),
         photons: 500_000,
         runs: vec![(TechniqueKind::Mnee, 4), (TechniqueKind::Mnee, 16), (TechniqueKind::Reference, 16)],
         settings: RenderSettings {
@@ -177,7 +177,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
             "--camera" => options.settings.camera = Some(value),
             "--layer" => options.layer = value,
             "--frames" => options.frames = value.parse::<u32>()?.max(2),
-            "--truth-samples" => options.truth_samples = value.parse()?,
+            "--truth" => options.truth = run(&value)?,
             "--photons" => options.photons = value.parse()?,
             "--device" => options.settings.device.device = Some(value),
             "--trace" => options.settings.trace = value.parse()?,
@@ -194,6 +194,6 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
 
 /// `technique:samples`.
 fn run(text: &str) -> Result<(TechniqueKind, u32), Box<dyn Error>> {
-    let (technique, samples) = text.split_once(':').ok_or("--runs wants technique:samples, separated by commas")?;
+    let (technique, samples) = text.split_once(':').ok_or("runs are technique:samples, separated by commas")?;
     Ok((TechniqueKind::parse(technique)?, samples.parse()?))
 }
