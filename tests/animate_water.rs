@@ -160,7 +160,7 @@ fn strong_damping(request: &Request) {
     let mut simulation = water::simulation(1.3);
     simulation.damping = 1e3;
     let mut stage = Stage::new(request, &[(field.clone(), WaterMotion::Simulated(simulation))], 24.0);
-    let k = std::f64::consts::PI * DVec2::new(3.0 / 2.4, 2.0 / 2.0);
+    let k = std::f64::consts::PI * DVec2::new(3.0 / 2.4, 1.0);
     let frequency = 1.3 * k.length();
     // The slow of the two ways to fall; the other is over within milliseconds.
     let rate = 500.0 - (500.0f64.powi(2) - frequency.powi(2)).sqrt();

@@ -5,8 +5,9 @@
 
 pub mod pool;
 
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use nephroid::gpu::{Capabilities, Capability, Device, DeviceInfo, DeviceRequest};
@@ -89,9 +90,15 @@ pub fn layer(image: &LayeredImage, name: &str) -> Vec<[f32; 3]> {
     image.layer(name).unwrap().to_rgb().unwrap().pixels
 }
 
-/// Runs the cases on all devices: the `main` of a device test.
+/// Says to a process of a test which device is its own, by index.
+const OWN_DEVICE: &str = "NEPHROID_TEST_DEVICE";
+
+/// Runs the cases on all devices: the `main` of a device test. Each device has a process of its own, beside each other,
+/// and there one case at a time: with two threads on software drivers, or two of them in one process, about one run of all
+/// tests in two died of a broken heap in a driver's thread.
 pub fn run(cases: &'static [Case]) -> ExitCode {
-    let arguments = Arguments::from_args();
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads.get_or_insert(1);
     let devices = match Device::list() {
         Ok(devices) if !devices.is_empty() => devices,
         found => {
@@ -101,14 +108,44 @@ pub fn run(cases: &'static [Case]) -> ExitCode {
             return libtest_mimic::run(&arguments, vec![failing]).exit_code();
         }
     };
-    let mut trials: Vec<Trial> = devices.iter().flat_map(|info| cases.iter().map(|case| trial(case, info))).collect();
-    trials.extend(expected_drivers().into_iter().map(|(name, part)| {
-        let found = devices.iter().any(|d| d.name.contains(part));
-        Trial::test(format!("the driver {name} shows a device"), move || {
-            if found { Ok(()) } else { Err(Failed::from(format!("no device's name contains \"{part}\""))) }
-        })
-    }));
+    let own = std::env::var(OWN_DEVICE).ok();
+    if own.is_none() && devices.len() > 1 && !arguments.list {
+        return run_each(&devices);
+    }
+    let is_own = |info: &&DeviceInfo| own.as_ref().is_none_or(|own| *own == info.index.to_string());
+    let own_devices = devices.iter().filter(is_own);
+    let mut trials: Vec<Trial> = own_devices.flat_map(|info| cases.iter().map(|case| trial(case, info))).collect();
+    if devices.first().as_ref().is_some_and(is_own) {
+        trials.extend(expected_drivers().into_iter().map(|(name, part)| {
+            let found = devices.iter().any(|d| d.name.contains(part));
+            Trial::test(format!("the driver {name} shows a device"), move || {
+                if found { Ok(()) } else { Err(Failed::from(format!("no device's name contains \"{part}\""))) }
+            })
+        }));
+    }
     libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+/// This program again for each device, with the same arguments; what they say follows device by device.
+fn run_each(devices: &[DeviceInfo]) -> ExitCode {
+    let program = std::env::current_exe().unwrap();
+    let start = |info: &DeviceInfo| {
+        let mut command = Command::new(&program);
+        command.args(std::env::args_os().skip(1)).env(OWN_DEVICE, info.index.to_string());
+        thread::spawn(move || command.output().unwrap())
+    };
+    let running: Vec<_> = devices.iter().map(start).collect();
+    let mut code = ExitCode::SUCCESS;
+    for (process, info) in running.into_iter().zip(devices) {
+        let output = process.join().unwrap();
+        print!("{}", String::from_utf8_lossy(&output.stdout));
+        eprint!("{}", String::from_utf8_lossy(&output.stderr));
+        if !output.status.success() {
+            println!("The tests on {} ended with {}.", info.name, output.status);
+            code = ExitCode::FAILURE;
+        }
+    }
+    code
 }
 
 /// The software drivers that `tools/test` says are installed, each with a part of its device's name: one that shows no
