@@ -1,11 +1,14 @@
 //! What a scene file says of motion, and where things are at a time.
 
+mod scene_text;
+
 use std::path::Path;
 
 use glam::{DVec2, Vec3};
 use nephroid::scene::animation::{Drop, Interpolation, Rain, Simulation, WaterMotion};
-use nephroid::scene::{Emitter, Scene, SceneError, parse};
+use nephroid::scene::{Emitter, Scene, parse};
 use nephroid::view::{Band, View};
+use scene_text::{check_sentence, read};
 
 /// Line numbers in the sentences below count from the first line here.
 const MOVING: &str = r#"[animation]
@@ -94,10 +97,6 @@ keys = [{ time = 0, direction = [1, 0, 0] }, { time = 2, direction = [0, -2, 0],
 
 /// f32 rounding of numbers near 1.
 const ROUNDING: f32 = 1e-6;
-
-fn read(text: &str) -> Result<Scene, SceneError> {
-    parse(text, Path::new("bad.toml"))
-}
 
 fn at(time: f64) -> Scene {
     let mut scene = read(MOVING).unwrap();
@@ -229,8 +228,7 @@ fn a_camera_that_passes_through_its_target_still_looks_somewhere() {
 
 /// The sentence for the moving scene with `from` replaced.
 fn sentence(from: &str, to: &str) -> String {
-    assert!(MOVING.contains(from), "{from}");
-    read(&MOVING.replacen(from, to, 1)).expect_err(to).to_string()
+    scene_text::sentence(MOVING, from, to)
 }
 
 #[test]
@@ -419,10 +417,7 @@ fn no_damage_to_a_moving_scene_makes_the_reader_panic() {
             let mut damaged = MOVING.to_owned();
             damaged.replace_range(start..start + character.len_utf8(), with);
             match read(&damaged) {
-                Err(error) => {
-                    let sentence = error.to_string();
-                    assert!(sentence.starts_with("bad.toml:") && !sentence.contains('\n'), "{sentence}");
-                }
+                Err(error) => check_sentence(&error),
                 Ok(mut scene) => scene.animation.clone().pose(&mut scene, 1.3),
             }
         }
