@@ -1,5 +1,6 @@
 //! Techniques: each adds caustic light to the film, nothing else.
 
+pub mod beams;
 pub mod emission;
 pub mod mnee;
 pub mod reference;
