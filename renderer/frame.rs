@@ -32,6 +32,16 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
+    /// A stretch of a camera path in a medium that scatters; see `kernels/shared/segments.glsl`.
+    pub struct ViewSegment {
+        pub origin: [f32; 3],
+        pub throughput_rg: u32,
+        pub end: [f32; 3],
+        pub throughput_b_medium: u32,
+    }
+}
+
+crate::gpu_struct! {
     /// What changes from sample to sample.
     pub struct Sample {
         pub jitter: [f32; 2],
@@ -91,13 +101,14 @@ impl Frame {
         sampling: Sampling,
     ) -> Result<Self, GpuError> {
         let band = Band { first: view.first_row, count: view.rows };
-        let film = Film::new(device, view.width, band)?;
+        let film = Film::new(device, view.width, band, view.segments > 0)?;
         let pixels = u64::from(film.pixels());
         let points = crate::film::VISIBLE_LAYERS * pixels;
         let adaptive = match sampling {
             Sampling::Uniform => None,
             Sampling::Adaptive { samples } => Some(Adaptive::new(device, &film, view.width, samples)?),
         };
+        let segments = u64::from(view.segments) * points * size_of::<ViewSegment>() as u64;
         let listed = if adaptive.is_some() { pixels } else { 0 };
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
         let variant = tracer.backend.variant();
@@ -116,6 +127,7 @@ impl Frame {
             .buffer("Views", &view_buffer)
             .buffer("PrimaryIds", &primary_ids)
             .buffer("RoundSamples", &Buffer::new(device, "round samples", listed * size_of::<RoundSample>() as u64)?)
+            .buffer("ViewSegments", &Buffer::new(device, "view segments", segments)?)
             .buffer("VisiblePoints", &Buffer::new(device, "visible points", points * size_of::<VisiblePoint>() as u64)?)
             .buffer(
                 "VisibleShades",
