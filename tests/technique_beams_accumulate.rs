@@ -80,7 +80,7 @@ impl Stage {
         let device = request.open();
         let gpu_scene = GpuScene::new(&device, &scene).unwrap();
         let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
-        let view = View::new(&scene.cameras[0], &scene.film, size, Band { first: 0, count: size.1 });
+        let view = View::new(&scene.cameras[0], &scene.film, size, Band { first: 0, count: size.1 }).of(&scene);
         let frame = Frame::new(&device, &gpu_scene, &tracer, &view, sampling).unwrap();
         Stage { device, scene, tracer, frame }
     }
