@@ -4,8 +4,8 @@
 //! plane across a directional light. The triangles are drawn conservatively into a fine bitmap over each chart, whose
 //! bits are then merged into about as many cells as asked for. All of it in f64, on the host.
 
-mod chart;
-mod grid;
+pub(crate) mod chart;
+pub(crate) mod grid;
 #[cfg(test)]
 mod tests;
 
@@ -69,9 +69,9 @@ const FINE_CELLS: f64 = 4_194_304.0;
 /// Bits along one side of a chart.
 const FINE_SIDE: f64 = 65_536.0;
 /// Of the largest coordinate at hand (1 on a cube face): eight times the rounding of f32, in which rays are traced.
-const ROUNDING: f64 = 1e-6;
+pub(crate) const ROUNDING: f64 = 1e-6;
 /// Of the scene's diagonal: how far upstream of it the photons of a directional light start.
-const UPSTREAM: f64 = 1e-3;
+pub(crate) const UPSTREAM: f64 = 1e-3;
 /// Points at which the fall-off of a spot light is taken, over all of its cells.
 const FALL_OFF_POINTS: f64 = 262_144.0;
 
@@ -106,12 +106,12 @@ fn total(flux: DVec3) -> f64 {
 }
 
 /// A specular instance in world space.
-struct Target<'a> {
+pub(crate) struct Target<'a> {
     positions: Vec<DVec3>,
     triangles: &'a [[u32; 3]],
 }
 
-fn specular_targets(scene: &Scene) -> Vec<Target<'_>> {
+pub(crate) fn specular_targets(scene: &Scene) -> Vec<Target<'_>> {
     let specular = scene.instances.iter().filter(|i| scene.materials[i.material].surface.is_specular());
     specular
         .map(|instance| {
@@ -128,7 +128,7 @@ fn in_f64(transform: Affine3A) -> DAffine3 {
     DAffine3::from_cols(x, y, z, transform.translation.as_dvec3())
 }
 
-fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a {
+pub(crate) fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a {
     let of_one = |target: &'a Target| {
         target.triangles.iter().map(|triangle| triangle.map(|vertex| target.positions[vertex as usize]))
     };
@@ -136,13 +136,13 @@ fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a
 }
 
 /// World-space box of all instances.
-struct Bounds {
-    min: DVec3,
-    max: DVec3,
+pub(crate) struct Bounds {
+    pub min: DVec3,
+    pub max: DVec3,
 }
 
 impl Bounds {
-    fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let mut bounds = Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         for instance in &scene.instances {
             let to_world = in_f64(instance.transform);
@@ -156,16 +156,16 @@ impl Bounds {
     }
 
     /// Metres, the largest coordinate in magnitude.
-    fn reach(&self) -> f64 {
+    pub fn reach(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
     /// Least p . `direction` of all points in the box.
-    fn least_along(&self, direction: DVec3) -> f64 {
+    pub fn least_along(&self, direction: DVec3) -> f64 {
         (self.min * direction).min(self.max * direction).element_sum()
     }
 
-    fn diagonal(&self) -> f64 {
+    pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
     }
 }
