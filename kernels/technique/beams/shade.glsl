@@ -1,5 +1,5 @@
 // How much light a beam brings to a point inside it; one body for all tiers.
-#include "shared/optics.glsl"
+#include "shared/media.glsl"
 #include "technique/beams/section.glsl"
 
 struct ShadePush {
@@ -39,5 +39,6 @@ vec3 beam_irradiance(ShadePush push, Beam beam, Section section, vec3 point, vec
     float cosine = -dot(section.way, shading);
     if (before <= 0.0 || cosine <= 0.0 || dot(section.way, geometric) >= 0.0) return vec3(0.0);
     float size = length(section.way);
-    return beam.flux * beam_density(push, beam, section) * cosine * transmittance(beam.medium, before * size);
+    vec3 left = transmittance(beam.medium, start, section.way / size, before * size);
+    return beam.flux * beam_density(push, beam, section) * cosine * left;
 }
