@@ -40,20 +40,25 @@ bool focuses(BeamVertex rays[3]) {
     return end * sign(start) < settings.convergence * abs(start);
 }
 
-// How far a vertex lands beside the mean of the ends of the edge that it split, m. Half as long an edge is off by a quarter.
-float bend(uint view_index, ivec2 at, uint sheet) {
+// Square of the length of the edge that it is the middle of, in columns.
+float edge_length2(Middle m) {
+    float side = 2.0 * float(m.half_side);
+    return side * side * (m.of_cell ? 2.0 : 1.0);
+}
+
+// How far the middle of an edge will land beside the mean of its ends, m, as one that is there tells: deviations go with
+// the square of the edge. Nothing where the vertex is of the coarse grid.
+float bend(uint view_index, ivec2 at, uint sheet, float length2) {
     Middle m = middle_at(view_index, at);
     if (m.half_side == 0) return 0.0;
     ivec2 first, second;
     edge_ends(m, first, second);
-    uint ends[3] = uint[3](vertex_at(view_index, at), vertex_at(view_index, first), vertex_at(view_index, second));
-    vec3 places[3];
-    for (int i = 0; i < 3; i++) {
-        uint record = ends[i] == NO_VERTEX ? NO_RECORD : record_of(ends[i], sheet);
-        if (record == NO_RECORD) return 0.0;
-        places[i] = landing(beam_vertices[record]);
-    }
-    return length(places[0] - 0.5 * (places[1] + places[2])) / 4.0;
+    uvec3 known = uvec3(vertex_at(view_index, at), vertex_at(view_index, first), vertex_at(view_index, second));
+    if (any(equal(known, uvec3(NO_VERTEX)))) return 0.0;
+    uvec3 records = uvec3(record_of(known.x, sheet), record_of(known.y, sheet), record_of(known.z, sheet));
+    if (any(equal(records, uvec3(NO_RECORD)))) return 0.0;
+    vec3 ends = landing(beam_vertices[records.y]) + landing(beam_vertices[records.z]);
+    return length(landing(beam_vertices[records.x]) - 0.5 * ends) * length2 / edge_length2(m);
 }
 
 // Of the light's power at the corners, the largest difference over the largest.
@@ -69,7 +74,7 @@ float power_contrast(LightView v, ivec2 corners[3]) {
 }
 
 // Whether the triangle, whose last corner is the apex, asks for a split.
-bool asks(uint view_index, ivec2 corners[3]) {
+bool asks(uint view_index, ivec2 corners[3], float length2) {
     uint vertices[3];
     for (int i = 0; i < 3; i++) {
         vertices[i] = vertex_at(view_index, corners[i]);
@@ -95,8 +100,11 @@ bool asks(uint view_index, ivec2 corners[3]) {
         float flux = throughput / float(1u << push.stage);
         wanted = wanted || ((settings.rules & RULE_ENERGY) != 0u && flux > settings.energy && focuses(rays));
         float pixel = view.pixel_angle * max(nearest_distance(rays), 1e-6);
-        wanted = wanted || ((settings.rules & RULE_DEVIATION) != 0u && flux > settings.energy &&
-                            bend(view_index, corners[2], sheet) > settings.deviation * pixel);
+        if ((settings.rules & RULE_DEVIATION) != 0u && flux > settings.energy) {
+            for (int i = 0; i < 3; i++) {
+                wanted = wanted || bend(view_index, corners[i], sheet, length2) > settings.deviation * pixel;
+            }
+        }
         if (wanted && (settings.rules & RULE_CAMERA) != 0u) {
             float start = longest_edge(rays[0].position, rays[1].position, rays[2].position);
             float end = longest_edge(landing(rays[0]), landing(rays[1]), landing(rays[2]));
@@ -116,7 +124,7 @@ void main() {
     edge_apexes(m, first, second);
     bool wanted = false;
     for (int side = 0; side < 2; side++) {
-        if (!wanted) wanted = asks(m.view, ivec2[3](from, to, side == 0 ? first : second));
+        if (!wanted) wanted = asks(m.view, ivec2[3](from, to, side == 0 ? first : second), edge_length2(m));
     }
     if (wanted) make_vertex(m.view, m.at);
 }

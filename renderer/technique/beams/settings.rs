@@ -36,7 +36,7 @@ const GENERATION: &[Setting] = &[
     Setting {
         key: "least_level",
         kind: SettingKind::Integer { min: 0, max: 8 },
-        default: "0",
+        default: "1",
         unit: "",
         help: "How often every cell is split, whatever the rules say",
     },
