@@ -6,19 +6,15 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
-use beams::{Edge, Numbers, beam, beam_to_floor, oracle};
+use beams::stage::{FLOOR, Stage, counter, in_smoke, many_beams, parse, position};
+use beams::{Edge, beam, beam_to_floor, oracle};
 use common::pool::flat_water_irradiance;
-use common::{Case, Request, assert_valid};
+use common::{Case, Request};
 use glam::{DVec3, dvec3};
-use nephroid::frame::{Frame, Sampling, VisiblePoint};
-use nephroid::gpu::{Binding, Buffer, Device, Recorder};
-use nephroid::gpu_scene::GpuScene;
-use nephroid::scene::{self, Scene};
-use nephroid::technique::Context;
-use nephroid::technique::beams::accumulate::{Accumulator, Area, BeamBuffers, Options, Shadows};
-use nephroid::technique::beams::beam::{Beam, BeamHeader, EMPTY, STRADDLES};
-use nephroid::trace::{self, TraceChoice, Tracer};
-use nephroid::view::{Band, View};
+use nephroid::frame::{Sampling, VisiblePoint};
+use nephroid::scene;
+use nephroid::technique::beams::accumulate::{Area, Options, Shadows};
+use nephroid::technique::beams::beam::{Beam, EMPTY, STRADDLES};
 
 fn main() -> ExitCode {
     common::run(&[
@@ -36,127 +32,6 @@ const ROUNDING: f64 = 2e-4;
 
 /// How near a beam's side a point may be for f32 and f64 to put it on different sides.
 const SIDE: f64 = 1e-4;
-
-/// Lit by nothing but beams: a floor at y = 0 seen from above.
-const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 60
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
-"#;
-
-fn parse(text: &str) -> Scene {
-    scene::parse(text, Path::new("test.toml")).unwrap()
-}
-
-/// The floor in a medium of its own, number 1.
-fn in_smoke(coefficients: &str) -> String {
-    let camera = FLOOR.replace("fov_y = 60", "fov_y = 60\nmedium = \"smoke\"");
-    format!("[[medium]]\nname = \"smoke\"\nindex = 1\n{coefficients}\n{camera}")
-}
-
-/// A frame and all it stands on.
-struct Stage {
-    device: Device,
-    scene: Scene,
-    tracer: Tracer,
-    frame: Frame,
-}
-
-impl Stage {
-    fn new(request: &Request, scene: Scene, size: (u32, u32), sampling: Sampling) -> Self {
-        let device = request.open();
-        let gpu_scene = GpuScene::new(&device, &scene).unwrap();
-        let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
-        let view = View::new(&scene.cameras[0], &scene.film, size, Band { first: 0, count: size.1 });
-        let frame = Frame::new(&device, &gpu_scene, &tracer, &view, sampling).unwrap();
-        Stage { device, scene, tracer, frame }
-    }
-
-    /// With room for some more beams than there are.
-    fn accumulator(&self, beams: &[Beam], options: Options) -> Accumulator {
-        let mut stored = beams.to_vec();
-        stored.resize(beams.len() + 77, bytemuck::Zeroable::zeroed());
-        let header = BeamHeader { count: beams.len() as u32, padding0: 0, padding1: 0, padding2: 0 };
-        let buffers = BeamBuffers {
-            beams: Buffer::from_slice(&self.device, "beams", &stored).unwrap(),
-            header: Buffer::from_slice(&self.device, "beam header", &[header]).unwrap(),
-            capacity: stored.len() as u32,
-        };
-        let Stage { device, scene, tracer, frame } = self;
-        Accumulator::with_options(options, &Context { device, scene, tracer, frame, seed: 0 }, &buffers).unwrap()
-    }
-
-    /// Each slot's point and its irradiance, in sample `index`.
-    fn sample(&mut self, accumulator: &Accumulator, index: u32) -> Vec<(VisiblePoint, [f32; 4])> {
-        let mut recorder = Recorder::new(&self.device).unwrap();
-        self.frame.record(&mut recorder, index).unwrap();
-        accumulator.record(&self.frame, &mut recorder, true).unwrap();
-        recorder.submit().unwrap();
-        let Some(Binding::Buffer(points)) = self.frame.bindings.get("VisiblePoints") else { unreachable!() };
-        let slots = self.frame.slots() as usize;
-        let points: Vec<VisiblePoint> = points.read(slots).unwrap();
-        let found: Vec<[f32; 4]> = self.frame.film.sample_irradiance().read(slots).unwrap();
-        assert_valid(&self.device);
-        points.into_iter().zip(found).filter(|(point, _)| point.instance != u32::MAX).collect()
-    }
-}
-
-fn position(point: &VisiblePoint) -> DVec3 {
-    DVec3::from_array(point.position.map(f64::from))
-}
-
-fn counter(accumulator: &Accumulator, name: &str) -> f64 {
-    accumulator.counters().unwrap().iter().find(|entry| entry.name == name).unwrap().value
-}
-
-/// Beams of every kind to the floor: parallel, spread out, through a focus on a line or a point, twisted, grazing, and a
-/// crowd of small ones.
-fn many_beams() -> Vec<Beam> {
-    let triangle = |size: f64, height: f64| {
-        [dvec3(-1.0, 0.0, -1.0), dvec3(1.2, 0.0, -0.8), dvec3(0.1, 0.0, 1.1)]
-            .map(|p| p * size + dvec3(0.0, height, 0.0))
-    };
-    let high = triangle(0.8, 2.0);
-    let towards = |points: [DVec3; 3], focus: DVec3| points.map(|p| focus - p);
-    let down = DVec3::NEG_Y;
-    let mut all = vec![
-        beam_to_floor(high, [down, down, down], 1.0, 0.0),
-        beam_to_floor(high, high.map(|p| p - dvec3(0.0, 5.0, 0.0)), 2.0, 0.0),
-        beam_to_floor(high, towards(high, dvec3(0.0, -2.0, 0.0)), 3.0, 0.0),
-        // Through a point, and on to the floor with its corners changed over.
-        beam_to_floor(high, towards(high, dvec3(0.2, 1.2, 0.0)), 4.0, 0.0),
-        // Through a line.
-        beam_to_floor(high, high.map(|p| dvec3(-p.x, -1.0, 0.3)), 5.0, 0.0),
-        beam_to_floor(high, high.map(|p| dvec3(0.3 * p.z, -1.0, -0.3 * p.x)), 6.0, 0.0),
-        // 80 degrees from the vertical.
-        beam_to_floor(triangle(0.3, 0.4), [dvec3(1.0, -0.176, 0.0); 3], 7.0, 0.0),
-    ];
-    let mut numbers = Numbers(1);
-    for _ in 0..3000 {
-        let at = dvec3(numbers.between(-2.5, 2.5), 0.0, numbers.between(-2.0, 2.0));
-        let mut corner = || {
-            let start = at + dvec3(numbers.between(-0.1, 0.1), numbers.between(1.4, 1.6), numbers.between(-0.1, 0.1));
-            let way = dvec3(numbers.between(-0.1, 0.1), -1.0, numbers.between(-0.1, 0.1)).normalize();
-            let area = [numbers.between(0.5, 2.0), numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0)];
-            Edge { area, flux: numbers.between(0.5, 2.0), ..Edge::plain(start, way, -start.y / way.y) }
-        };
-        all.push(beam([corner(), corner(), corner()], 0.01, 0));
-    }
-    all
-}
 
 /// The oracle's sum at a point; `None` where f32 may see it on the other side of a beam's side.
 fn expected(beams: &[Beam], point: &VisiblePoint, extinction: f64, options: &Options) -> Option<f64> {

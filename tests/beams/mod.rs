@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 pub mod oracle;
+pub mod stage;
 
 use glam::{DVec3, Vec3};
 use nephroid::technique::beams::beam::{Beam, BeamCorner};

@@ -74,3 +74,102 @@ pub fn irradiance(beam: &Beam, point: DVec3, normal: DVec3, extinction: f64, lig
     let across = place.way.normalize().dot(vec(beam.normal));
     density(beam, &place, light_angle, smooth) * cosine / across * (-extinction * place.distance).exp()
 }
+
+/// A view ray in a medium.
+#[derive(Debug, Clone, Copy)]
+pub struct ViewRay {
+    pub origin: DVec3,
+    /// Unit, away from the eye.
+    pub direction: DVec3,
+    /// m.
+    pub length: f64,
+}
+
+/// A medium of which the coefficients are 1/m.
+#[derive(Debug, Clone, Copy)]
+pub struct Fog {
+    pub scattering: f64,
+    pub extinction: f64,
+    /// Of Henyey and Greenstein.
+    pub asymmetry: f64,
+}
+
+/// Between the planes through its starts and through its ends, and inside.
+fn is_in(beam: &Beam, point: DVec3) -> bool {
+    let side = |pick: fn(&nephroid::technique::beams::beam::BeamCorner) -> f32| {
+        let [a, b, c] = beam.corners.map(|corner| vec(corner.origin) + f64::from(pick(&corner)) * vec(corner.way));
+        let normal = (b - a).cross(c - a);
+        normal.dot(point - a) * normal.dot(vec(beam.normal)).signum()
+    };
+    let of = |pick: fn(f64, f64) -> f64, ys: [f32; 3]| ys.map(f64::from).into_iter().reduce(pick).unwrap_or_default();
+    let range = of(f64::min, beam.corners.map(|c| c.start))..=of(f64::max, beam.corners.map(|c| c.end));
+    place(beam, point).is_some_and(|place| place.depth() >= 0.0 && range.contains(&place.y))
+        && side(|c| c.start) >= 0.0
+        && side(|c| c.end) <= 0.0
+}
+
+/// Radiance per W at the ray's origin; `None` where the beam is cut too near its focus for a quadrature.
+pub fn inscattered(beam: &Beam, ray: &ViewRay, fog: &Fog, light_angle: f64) -> Option<f64> {
+    const LOOKS: usize = 1000;
+    const STEPS: usize = 200;
+    // Looked for within the ball round the beam.
+    let ends = beam.corners.map(|c| [c.start, c.end].map(|y| vec(c.origin) + f64::from(y) * vec(c.way)));
+    let middle = ends.iter().flatten().sum::<DVec3>() / 6.0;
+    let radius = 1.1 * ends.iter().flatten().map(|p| p.distance(middle)).fold(0.0, f64::max);
+    let nearest = (middle - ray.origin).dot(ray.direction);
+    let half = (radius * radius - (ray.origin + nearest * ray.direction).distance_squared(middle)).max(0.0).sqrt();
+    let first = (nearest - half).max(0.0);
+    let last = (nearest + half).min(ray.length);
+    if half == 0.0 || last <= first {
+        return Some(0.0);
+    }
+    let at = |t: f64| ray.origin + t * ray.direction;
+    let step = (last - first) / LOOKS as f64;
+    let border = |mut low: f64, mut high: f64| {
+        let inside = is_in(beam, at(low));
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if is_in(beam, at(middle)) == inside { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    let mut borders = Vec::new();
+    let mut was = is_in(beam, at(first));
+    if was {
+        borders.push(first);
+    }
+    for look in 0..LOOKS {
+        let t = first + look as f64 * step;
+        let is = is_in(beam, at(t + step));
+        if is != was {
+            borders.push(border(t, t + step));
+        }
+        was = is;
+    }
+    if was {
+        borders.push(last);
+    }
+    let mut sum = 0.0;
+    for pair in borders.chunks(2) {
+        let size = (pair[1] - pair[0]) / STEPS as f64;
+        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+        for index in 0..STEPS {
+            let t = pair[0] + (index as f64 + 0.5) * size;
+            let place = place(beam, at(t))?;
+            if place.area < 3.0 * (light_angle * place.distance).powi(2) {
+                return None;
+            }
+            (least, most) = (least.min(place.area), most.max(place.area));
+            let light = place.way.normalize();
+            let g = fog.asymmetry;
+            let cosine = -light.dot(ray.direction);
+            let phase = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cosine).powf(1.5));
+            let fluence = density(beam, &place, light_angle, true) / light.dot(vec(beam.normal));
+            sum += fog.scattering * phase * fluence * (-fog.extinction * (t + place.distance)).exp() * size;
+        }
+        if most > 100.0 * least {
+            return None;
+        }
+    }
+    Some(sum)
+}

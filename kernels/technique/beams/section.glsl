@@ -10,23 +10,37 @@ struct Section {
     vec3 way;     // of the light through the point; its component along the beam's normal is 1
 };
 
+// Of a triangle's sides: no point inside is farther from a corner than the longest is long. Where a beam is focused its
+// barycentrics are noise, which alone would see points inside from far away.
+bool is_within_reach(vec3 to_corner, vec3 sides[3]) {
+    float longest = max(dot(sides[0], sides[0]), max(dot(sides[1], sides[1]), dot(sides[2], sides[2])));
+    return dot(to_corner, to_corner) <= 1.01 * longest;
+}
+
 // False outside of the triangle, and where it has no area.
 bool section_at(Beam beam, vec3 point, out Section section) {
     vec3 from = point - beam.corners[0].origin;
     float y = dot(beam.normal, from);
-    // From the point to the corners: no difference of large numbers is left in what follows.
-    vec3 a = y * beam.corners[0].way - from;
-    vec3 b = beam.corners[1].origin - beam.corners[0].origin + y * beam.corners[1].way - from;
-    vec3 c = beam.corners[2].origin - beam.corners[0].origin + y * beam.corners[2].way - from;
-    vec3 parts = vec3(dot(beam.normal, cross(b, c)), dot(beam.normal, cross(c, a)), dot(beam.normal, cross(a, b)));
+    // From the point to the corners, and from corner to corner, each from its own differences: the products of the first
+    // with the second lose less than products of the first, which are large where the triangle is small and far away.
+    vec3 to[3], sides[3];
+    for (uint i = 0u; i < 3u; i++) {
+        BeamCorner a = beam.corners[i];
+        BeamCorner b = beam.corners[(i + 1u) % 3u];
+        to[i] = a.origin - beam.corners[0].origin + y * a.way - from;
+        sides[i] = b.origin - a.origin + y * (b.way - a.way);
+    }
+    vec3 parts = vec3(dot(beam.normal, cross(to[1], sides[1])), dot(beam.normal, cross(to[2], sides[2])),
+                      dot(beam.normal, cross(to[0], sides[0])));
     float whole = parts.x + parts.y + parts.z;
     section.y = y;
     section.weights = parts / whole;
-    section.area = 0.5 * whole;
+    section.area = 0.5 * dot(beam.normal, cross(sides[0], sides[1]));
     section.way = section.weights.x * beam.corners[0].way + section.weights.y * beam.corners[1].way +
                   section.weights.z * beam.corners[2].way;
     // False for the NaN of a beam without area, too.
-    return abs(whole) > 0.0 && min(section.weights.x, min(section.weights.y, section.weights.z)) >= 0.0;
+    bool inside = min(section.weights.x, min(section.weights.y, section.weights.z)) >= 0.0;
+    return inside && is_within_reach(to[0], sides);
 }
 
 vec3 beam_starts(Beam beam) {

@@ -5,9 +5,9 @@
 
 struct TilePush {
     uint capacity; // beams
-    uint groups;   // boxes of groups
-    uint blocks;   // boxes of blocks, which come before
+    uint blocks;   // boxes of blocks, after which those of groups come
     uint listed;   // 1: places are those of an adaptive round
+    uint padding0;
 };
 
 const uint TILE_SIDE = 8u;

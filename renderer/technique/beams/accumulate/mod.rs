@@ -4,7 +4,7 @@ mod boxes;
 mod counters;
 mod options;
 
-pub use options::{Area, Options, SETTINGS, Shadows};
+pub use options::{Area, Integral, Interval, Options, SETTINGS, Shadows};
 
 use crate::film::VISIBLE_LAYERS;
 use crate::frame::Frame;
@@ -28,9 +28,9 @@ crate::gpu_struct! {
     /// What every kernel that works on tiles of slots is told.
     pub struct TilePush {
         pub capacity: u32,
-        pub groups: u32,
         pub blocks: u32,
         pub listed: u32,
+        pub padding0: u32,
     }
 }
 
@@ -45,14 +45,39 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
+    /// How a beam's light in a medium is added up; see `kernels/technique/beams/inscatter.glsl`.
+    pub struct VolumePush {
+        pub scan_plane: u32,
+        pub integral: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct VolumeLightPush {
+        pub tile: TilePush,
+        pub shade: ShadePush,
+        pub volume: VolumePush,
+    }
+}
+
+crate::gpu_struct! {
     pub struct LightPush {
         pub tile: TilePush,
         pub shade: ShadePush,
     }
 }
 
-pub const LAYOUTS: &[Layout] =
-    &[TilePush::LAYOUT, ShadePush::LAYOUT, LightPush::LAYOUT, boxes::BeamBox::LAYOUT, boxes::BoxesPush::LAYOUT];
+pub const LAYOUTS: &[Layout] = &[
+    TilePush::LAYOUT,
+    ShadePush::LAYOUT,
+    LightPush::LAYOUT,
+    VolumePush::LAYOUT,
+    VolumeLightPush::LAYOUT,
+    boxes::BeamBox::LAYOUT,
+    boxes::BoxesPush::LAYOUT,
+];
 
 /// Slots of a tile, 8 x 8.
 const TILE_SIDE: u32 = 8;
@@ -65,6 +90,7 @@ pub struct Accumulator {
     bindings: Bindings,
     tallies: Buffer,
     gather: Kernel,
+    volume: Option<(Kernel, VolumePush)>,
     tiles: u32,
     listed: bool,
 }
@@ -84,18 +110,24 @@ impl Accumulator {
             .buffer("BeamTallies", &tallies);
         let boxes = Boxes::new(device, beams.capacity)?;
         let listed = context.frame.adaptive().is_some();
+        let variant = context.tracer.backend.variant();
+        let volume = match context.frame.film.has_volume() {
+            true => Some((Kernel::new(device, "beams/gather_volume", variant)?, volume_push(&options))),
+            false => None,
+        };
         Ok(Accumulator {
             shade: ShadePush {
                 light_angle: options.light_angle,
                 smooth_area: u32::from(options.area == Area::Vertex),
                 shadows: u32::from(options.shadows == Shadows::Edges),
-                soft: 0.0,
+                soft: options.soft,
             },
             beams: beams.clone(),
             bindings: bindings.and(boxes.bindings()),
             boxes,
             tallies,
-            gather: Kernel::new(device, "beams/gather", context.tracer.backend.variant())?,
+            gather: Kernel::new(device, "beams/gather", variant)?,
+            volume,
             tiles: tiles(context.frame, listed),
             listed,
         })
@@ -110,7 +142,7 @@ impl Accumulator {
     }
 
     /// Records how the beams' light comes to the sample's visible points: afterwards the block `SampleIrradiance` holds it,
-    /// W/m2. `new_beams`: they have changed since the sample before.
+    /// W/m2, and where the scene scatters `SampleVolume` what comes to the camera from media. `new_beams`: they have changed since the sample before.
     pub fn record(&self, frame: &Frame, recorder: &mut Recorder, new_beams: bool) -> Result<(), GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
         if new_beams {
@@ -119,21 +151,34 @@ impl Accumulator {
         let push = LightPush { tile: self.tile_push(), shade: self.shade };
         let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
         recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
+        if let Some((kernel, volume)) = &self.volume {
+            let push = VolumeLightPush { tile: self.tile_push(), shade: self.shade, volume: *volume };
+            recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+        }
         Ok(())
     }
 
     fn tile_push(&self) -> TilePush {
         TilePush {
             capacity: self.beams.capacity,
-            groups: self.boxes.groups(),
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
+            padding0: 0,
         }
     }
 
     /// What was counted over all samples so far.
     pub fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
         counters::read(&self.tallies)
+    }
+}
+
+fn volume_push(options: &Options) -> VolumePush {
+    VolumePush {
+        scan_plane: u32::from(options.interval == Interval::ScanPlane),
+        integral: options.integral as u32,
+        padding0: 0,
+        padding1: 0,
     }
 }
 
