@@ -1,6 +1,8 @@
 //! What lights see of the scene: for each light frusta or boxes round the specular objects, and over each a lattice of
 //! texels in two layers, what is specular and what is not. Techniques start their light from there.
 
+#[cfg(test)]
+mod tests;
 mod views;
 
 use crate::gpu::{

@@ -52,6 +52,7 @@ fn scene() -> Scene {
             intensity: Vec3::ONE,
             inner: 0.2,
             outer: 0.5,
+            image: None,
         },
         Emitter::Directional { direction: Vec3::new(0.3, -1.0, 0.2).normalize(), irradiance: Vec3::ONE },
     ];

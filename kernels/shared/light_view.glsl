@@ -66,9 +66,8 @@ float chart_density(LightView v, vec2 at) {
 
 // W per unit of the chart's area, before anything is met.
 vec3 light_power(LightView v, Light light, vec2 at) {
-    vec3 power = light.intensity * chart_density(v, at);
-    if (light.kind == LIGHT_SPOT) power *= spot_falloff(light, normalize(v.forward + at.x * v.right + at.y * v.up));
-    return power;
+    vec3 direction = normalize(v.forward + at.x * v.right + at.y * v.up); // of no account where it is parallel
+    return light_power_along(light, direction) * chart_density(v, at);
 }
 
 // Whether the light reaches the specular surface past everything opaque.

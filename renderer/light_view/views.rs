@@ -12,7 +12,7 @@ use crate::technique::emission::{Bounds, ROUNDING, Target, UPSTREAM, specular_ta
 
 /// Cosine of the angle from its axis up to which one frustum sees everything, 70 degrees: there a chart's unit of area is a
 /// twenty-fifth of what it is on the axis. Light that goes farther round needs the faces of a cube.
-const COS_AIMED: f64 = 0.342;
+pub(super) const COS_AIMED: f64 = 0.342;
 /// Steps towards the farthest direction, to the middle of all: the angle is then within some 3 % of the least.
 const CENTRING: u32 = 32;
 /// Turns of a rectangle about its axis that are tried, over a right angle.
@@ -147,13 +147,21 @@ fn aimed(
 /// A direction about in the middle of all: the centre of the smallest cap, after Badoiu and Clarkson 2003.
 fn middle(points: &[DVec3]) -> DVec3 {
     let directions: Vec<DVec3> = points.iter().map(|p| p.normalize()).collect();
+    let farthest = |centre: DVec3| {
+        let farther = |a: DVec3, b: DVec3| if b.dot(centre) < a.dot(centre) { b } else { a };
+        directions.iter().copied().reduce(farther).unwrap_or(centre)
+    };
     let mut centre = directions.iter().sum::<DVec3>().normalize_or(directions[0]);
+    let mut best = (f64::NEG_INFINITY, centre);
     for step in 0..CENTRING {
-        let farther = |a: &DVec3, b: &DVec3| if b.dot(centre) < a.dot(centre) { *b } else { *a };
-        let farthest = directions.iter().copied().reduce(|a, b| farther(&a, &b)).unwrap_or(centre);
-        centre = (centre + (farthest - centre) / f64::from(step + 2)).normalize_or(centre);
+        let away = farthest(centre);
+        // The mean direction, where all begins, is the best where objects lie evenly round it.
+        if away.dot(centre) > best.0 {
+            best = (away.dot(centre), centre);
+        }
+        centre = (centre + (away - centre) / f64::from(step + 2)).normalize_or(centre);
     }
-    centre
+    best.1
 }
 
 /// The axes of a view, unit to f32.
