@@ -20,7 +20,7 @@ const float THROUGHPUT_SCALE = 512.0;
 struct Stretch {
     vec3 origin;
     vec3 direction;  // unit, away from the camera
-    float length;    // m
+    float extent;    // m; glslang takes `length` for the method
     uint medium;     // NO_MEDIUM: empty
     vec3 throughput; // radiance at the camera over radiance at `origin`
 };

@@ -45,15 +45,15 @@ bool near(vec3 a, vec3 b) {
 }
 
 Beam beam(Stretch s, VisiblePoint point) {
-    Beam result = Beam(s, 0.0, s.length, vec3(0.0));
+    Beam result = Beam(s, 0.0, s.extent, vec3(0.0));
     // A camera looks from within its medium; all other stretches begin at a surface.
     if (s.origin != view.position) result.from = -BEYOND_SPECULAR * push.radius;
-    vec3 end = s.origin + s.length * s.direction;
+    vec3 end = s.origin + s.extent * s.direction;
     if (point.instance != NO_INSTANCE && near(end, point.position)) {
         result.plane = unpack_direction(point.geometric);
         float cosine = clamp(-dot(result.plane, s.direction), 1e-3, 1.0);
         result.to += push.radius * min(sqrt(1.0 - cosine * cosine) / cosine, MAX_BEYOND_POINT);
-    } else if (s.length < 0.9999 * view.reach) {
+    } else if (s.extent < 0.9999 * view.reach) {
         result.to += BEYOND_SPECULAR * push.radius;
     }
     return result;
@@ -64,7 +64,7 @@ Beam beam(Stretch s, VisiblePoint point) {
 vec3 scattered(Beam b, Photon photon, float foot, float reached, vec3 left) {
     Stretch s = b.s;
     float cosine = -dot(unpack_direction(photon.normal), s.direction);
-    float way = max(clamp(foot, 0.0, s.length) - reached, 0.0);
+    float way = max(clamp(foot, 0.0, s.extent) - reached, 0.0);
     left *= transmittance(s.medium, s.origin + reached * s.direction, s.direction, way);
     return photon.flux * left * s.throughput * phase(s.medium, cosine);
 }
@@ -101,7 +101,7 @@ void gather(inout Sum sum, Beam b) {
         ivec3 extent = clamp(cell_of(max(entry, exit) + half_extent, size) - low + 1, ivec3(1), ivec3(MOST_ACROSS));
         low[a] = cell_a;
         extent[a] = 1;
-        float start = clamp((near_plane - s.origin[a]) / s.direction[a] - margin, 0.0, s.length);
+        float start = clamp((near_plane - s.origin[a]) / s.direction[a] - margin, 0.0, s.extent);
         uint cells = uint(extent.x * extent.y * extent.z);
         for (uint c = 0u; c < cells; c++) {
             ivec3 cell = low + ivec3(int(c) % extent.x, (int(c) / extent.x) % extent.y, int(c) / (extent.x * extent.y));
@@ -116,7 +116,7 @@ void gather(inout Sum sum, Beam b) {
                 // Several cells share a bucket; each photon counts in its own cell only.
                 if (photon.landed != 1u + s.medium || any(notEqual(cell_of(photon.position, size), cell))) continue;
                 // On the other side of a thin wall.
-                if (dot(way - s.length * s.direction, b.plane) < 0.0) continue;
+                if (dot(way - s.extent * s.direction, b.plane) < 0.0) continue;
                 if (start > reached) {
                     left *= transmittance(s.medium, s.origin + reached * s.direction, s.direction, start - reached);
                     reached = start;

@@ -8,7 +8,7 @@ const uint POINT_SEED = 2048u;
 
 struct Kept {
     vec3 origin;
-    float length;   // m
+    float extent;   // m
     vec3 direction; // unit, the way that the light goes
     uint medium;
     vec3 flux;      // W at `origin`
@@ -49,10 +49,10 @@ const float THIN = 1e-3;
 // and heavy photons.
 Photon photon_on(Kept kept, uint point, uint points, float random) {
     if (!(kept.power > 0.0)) return no_photon();
-    vec2 part = dense_part(kept.medium, kept.origin, kept.direction, kept.length);
+    vec2 part = dense_part(kept.medium, kept.origin, kept.direction, kept.extent);
     float size = part.y - part.x;
     if (!(size > 0.0)) return no_photon();
-    float depth = mean(extinction(kept.medium)) * density_along(kept.medium, kept.origin, kept.direction, kept.length);
+    float depth = mean(extinction(kept.medium)) * density_along(kept.medium, kept.origin, kept.direction, kept.extent);
     float at = 2.0 * (float(point) + random) / float(points);
     float left = exp(-depth);
     float u = at < 1.0 ? at : at - 1.0;
