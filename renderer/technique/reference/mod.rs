@@ -123,7 +123,7 @@ impl Reference {
                 ledger_unit: (flux / LEDGER_UNITS).max(f32::MIN_POSITIVE),
                 slots,
                 volume_classes: class_bits(settings.choice("paths")),
-                volume_points: if volume.is_some() { settings.integer("volume_points") } else { 0 },
+                volume_points: volume.as_ref().map_or(0, |volume| volume.points),
             },
             volume,
             prepare: PreparePush {

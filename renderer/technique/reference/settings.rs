@@ -39,18 +39,18 @@ pub const SETTINGS: &[Setting] = &[
         help: "Part of a sample's photons that is kept as the radius shrinks; lower shrinks faster",
     },
     Setting {
-        key: "volume_points",
-        kind: SettingKind::Integer { min: 1, max: 64 },
-        default: "1",
-        unit: "points",
-        help: "Where media scatter, points that each photon leaves there: more of them need fewer photons",
+        key: "volume_photons",
+        kind: SettingKind::Integer { min: 1, max: 4_000_000 },
+        default: "2000000",
+        unit: "photons",
+        help: "Photons that a set leaves in media that scatter, as many on each path, at least one and at most 64",
     },
     Setting {
         key: "volume_neighbours",
         kind: SettingKind::Number { min: 0.1, max: 10000.0 },
         default: "64",
-        unit: "points",
-        help: "Points that the first radius in media holds round a stretch of a camera path, were a set spread evenly",
+        unit: "photons",
+        help: "Photons in media that the first radius holds round a camera's path, were a set spread as on surfaces",
     },
     Setting {
         key: "fresnel",
@@ -91,4 +91,3 @@ pub fn class_bits(paths: &str) -> u32 {
         _ => ALL_CLASSES,
     }
 }
-

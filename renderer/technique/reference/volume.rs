@@ -14,8 +14,13 @@ const UNITS_PER_PHOTON: f32 = 16_777_216.0;
 /// What cells go by, over the gathering radius: they are half to all of that.
 const CELLS_OVER_RADIUS: f32 = 4.0;
 
+/// Photons that one path leaves at most: beyond, they lie closer than the radius, and more of them tell nothing new.
+const MOST_POINTS: u32 = 64;
+
 /// Volume photons of one band.
 pub struct Volume {
+    /// Photons a path.
+    pub points: u32,
     sorted: Sorted,
     gather: Kernel,
     first_radius: f32,
@@ -36,12 +41,14 @@ impl Volume {
         if !scene.scatters() || slots == 0 {
             return Ok(None);
         }
-        let photons = slots * settings.integer("volume_points");
+        let points = (settings.integer("volume_photons") / slots).clamp(1, MOST_POINTS);
+        let photons = slots * points;
         let density = photons as f32 / specular_area(scene);
         let radius = (settings.number("volume_neighbours") / (std::f32::consts::PI * density)).sqrt();
         let thickest = scene.media.iter().map(|m| m.scattering.max_element()).fold(0.0, f32::max);
         let scattered = (thickest * scene.reach()).min(1.0) * flux / photons as f32;
         Ok(Some(Volume {
+            points,
             sorted: Sorted::new(device, kernels, "reference/volume-", photons)?,
             gather: Kernel::new(device, "reference/gather_volume", "")?,
             first_radius: radius.clamp(1e-6, MAX_RADIUS * scene_diagonal(context)),
