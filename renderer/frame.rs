@@ -1,5 +1,5 @@
-//! One frame, top to bottom: visibility -> walk to the visible diffuse points -> direct light. What the technique adds
-//! comes after, and `film` composes.
+//! One frame, top to bottom: visibility -> walk to the visible diffuse points -> direct light -> light that media scatter.
+//! What the technique adds comes after, and `film` composes.
 
 use crate::adaptive::{Adaptive, RoundSample};
 use crate::film::{Film, SampleCounts};
@@ -87,6 +87,8 @@ pub struct Frame {
     primary_ids: Buffer,
     walk: Kernel,
     direct: Kernel,
+    /// Only where a medium scatters and there is light.
+    volume: Option<Kernel>,
     accumulate: Kernel,
     draws: Vec<(u32, u32)>,
     seed: u32,
@@ -120,6 +122,7 @@ impl Frame {
         } else {
             Visibility::Rays { primary: Kernel::new(device, "frame/primary", variant)? }
         };
+        let lit_volume = view.segments > 0 && view.lights > 0;
         let view_buffer = Buffer::from_slice(device, "view", &[*view])?;
         let own = film
             .bindings
@@ -143,6 +146,7 @@ impl Frame {
             primary_ids,
             walk: Kernel::new(device, "frame/walk", variant)?,
             direct: Kernel::new(device, "frame/direct", variant)?,
+            volume: lit_volume.then(|| Kernel::new(device, "frame/volume", variant)).transpose()?,
             accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
@@ -210,7 +214,7 @@ impl Frame {
                     .map(|&(instance, vertices)| (DrawPush { jitter: sample.jitter, instance, padding0: 0 }, vertices))
                     .collect();
                 recorder.pass("frame/visibility")?.draw(raster, targets, &bindings, &items)?;
-                recorder.pass("frame/visibility-copy")?.copy_image(&targets.color, &self.primary_ids);
+                recorder.pass("frame/visibility-copy")?.copy_image(&targets.color, &self.primary_ids, 0);
             }
             Visibility::Rays { primary } => {
                 recorder.pass("frame/primary")?.dispatch(primary, &bindings, &sample, self.film.pixels())?;
@@ -218,6 +222,9 @@ impl Frame {
         }
         recorder.pass("frame/walk")?.dispatch(&self.walk, &bindings, &sample, self.slots())?;
         recorder.pass("frame/direct")?.dispatch(&self.direct, &bindings, &(), self.slots())?;
+        if let Some(volume) = &self.volume {
+            recorder.pass("frame/volume")?.dispatch(volume, &bindings, &sample, self.slots())?;
+        }
         Ok(())
     }
 

@@ -61,47 +61,76 @@ vec2 dense_part(uint medium, vec3 from, vec3 direction, float length) {
     return part;
 }
 
-// Density along a ray, integrated over `length` metres: metres of density 1. Exact but for rounding: the ray is cut at the
-// grid's planes, and within a cell density is a cubic along it, which Simpson's rule integrates exactly.
-float density_along(uint medium, vec3 from, vec3 direction, float length) {
-    vec2 part = dense_part(medium, from, direction, length);
+// Where a walk along a ray through a medium stops.
+struct March {
+    float at;      // m from the ray's origin
+    float depth;   // density integrated up to there, exact but for rounding: metres of density 1
+    float even;    // the same, were density even in the cell of the grid where the walk stops
+    float mean;    // density of that cell, in the mean over the ray's part in it
+    float density; // there
+};
+
+const float ENDLESS = 1e30;
+
+// Walks `stop` metres along a ray of `length` metres, or until `even` is `target`. The ray is cut at the grid's planes;
+// within a cell density is a cubic along it, which Simpson's rule integrates exactly.
+March march(uint medium, vec3 from, vec3 direction, float length, float stop, float target) {
     uint index = media[medium].grid;
-    if (index == NO_GRID) return length;
-    if (!(part.x < part.y)) return 0.0;
+    if (index == NO_GRID) {
+        float at = min(stop, target);
+        return March(at, at, at, 1.0, 1.0);
+    }
+    March nowhere = March(length, 0.0, 0.0, 0.0, 0.0);
+    vec2 part = dense_part(medium, from, direction, length);
+    if (!(part.x < part.y) || stop < part.x) return nowhere;
     DensityGrid grid = density_grids[index];
-    // From the entry on: grid coordinates of a far origin would cancel.
+    // From the entry on: a far origin's grid coordinates would cancel.
     vec3 origin = (from + part.x * direction - grid.lower) * grid.cells_per_metre;
     vec3 way = direction * grid.cells_per_metre;
     float end = part.y - part.x;
+    stop = min(stop - part.x, end);
     // The next plane across each axis, m, and from plane to plane.
     vec3 next = vec3(end);
     vec3 step = vec3(0.0);
     for (uint axis = 0u; axis < 3u; axis++) {
         if (abs(way[axis]) < 1e-20) continue;
-        bool up = way[axis] > 0.0;
-        float plane = up ? floor(origin[axis]) + 1.0 : ceil(origin[axis]) - 1.0;
+        float plane = way[axis] > 0.0 ? floor(origin[axis]) + 1.0 : ceil(origin[axis]) - 1.0;
         next[axis] = (plane - origin[axis]) / way[axis];
         step[axis] = 1.0 / abs(way[axis]);
     }
     float at = 0.0;
     float before = density_in(grid, origin);
-    float sum = 0.0;
+    float depth = 0.0;
     // A ray crosses each plane once; two more for those that it starts on and ends on.
     uint most = grid.points.x + grid.points.y + grid.points.z + 2u;
     for (uint cell = 0u; cell < most && at < end; cell++) {
-        float until = min(min(next.x, min(next.y, next.z)), end);
-        if (cell + 1u == most) until = end;
+        float until = cell + 1u < most ? max(min(min(next.x, min(next.y, next.z)), end), at) : end;
         float middle = density_in(grid, origin + 0.5 * (at + until) * way);
         float after = density_in(grid, origin + until * way);
-        sum += max(until - at, 0.0) * (before + 4.0 * middle + after) / 6.0;
+        float mean = (before + 4.0 * middle + after) / 6.0;
+        float gained = (until - at) * mean;
+        if (until >= stop || depth + gained >= target) {
+            float left = mean > 0.0 ? (target - depth) / mean : ENDLESS;
+            float far = clamp(min(stop - at, left), 0.0, until - at);
+            float there = density_in(grid, origin + (at + far) * way);
+            float half_way = density_in(grid, origin + (at + 0.5 * far) * way);
+            float exact = depth + far * (before + 4.0 * half_way + there) / 6.0;
+            return March(part.x + at + far, exact, depth + far * mean, mean, there);
+        }
+        depth += gained;
         before = after;
-        at = max(until, at);
+        at = until;
         for (uint axis = 0u; axis < 3u; axis++) {
-            // An axis without a step has its plane at the end.
+            // An axis that the ray does not go along has its plane at the end.
             if (next[axis] <= until) next[axis] = step[axis] > 0.0 ? next[axis] + step[axis] : end;
         }
     }
-    return sum;
+    return March(length, depth, depth, 0.0, 0.0);
+}
+
+// Density along a ray, integrated over `length` metres: metres of density 1.
+float density_along(uint medium, vec3 from, vec3 direction, float length) {
+    return march(medium, from, direction, length, length, ENDLESS).depth;
 }
 
 // What `length` metres from `from` along the unit vector `direction` leave of light.
