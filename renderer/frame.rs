@@ -92,6 +92,7 @@ pub struct Frame {
     accumulate: Kernel,
     draws: Vec<(u32, u32)>,
     seed: u32,
+    jitter: [f32; 2],
 }
 
 impl Frame {
@@ -150,6 +151,7 @@ impl Frame {
             accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
+            jitter: [0.5; 2],
         })
     }
 
@@ -180,6 +182,11 @@ impl Frame {
         self.film.pixels() * crate::film::VISIBLE_LAYERS as u32
     }
 
+    /// Where in its pixel the sample recorded last looks, [0, 1), the same for all pixels; not where sampling is adaptive.
+    pub fn jitter(&self) -> [f32; 2] {
+        self.jitter
+    }
+
     /// Samples of each pixel after `done` samples of the picture.
     pub fn sample_counts(&self, done: u32) -> SampleCounts {
         self.adaptive.as_ref().map_or(SampleCounts::Same(done), |adaptive| adaptive.counts(done))
@@ -200,6 +207,7 @@ impl Frame {
         // (0,2)-sequence all the same.
         let listed = self.adaptive.is_some().into();
         let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
+        self.jitter = sample.jitter;
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.record_list(recorder, &self.bindings, index)?;
         }

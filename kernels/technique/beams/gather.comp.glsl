@@ -1,14 +1,16 @@
 // The light of all beams at the visible points, one workgroup a tile.
 layout(local_size_x = 64) in;
 #include "shared/film.glsl"
-#include "technique/beams/shade.glsl"
-#include "technique/beams/shadow.glsl"
+#include "technique/beams/surface_light.glsl"
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/ordered.glsl"
 
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 2, binding = 12, std430) writeonly buffer SampleIrradiance { vec4 sample_irradiance[]; };
+layout(set = 2, binding = 3, std430) readonly buffer VisibleShades { VisibleShade visible_shades[]; };
+// What rasterised hulls brought, a pixel; w: their fragments.
+layout(set = 3, binding = 6, std430) readonly buffer DrawnIrradiance { vec4 drawn_irradiance[]; };
 layout(push_constant) uniform LightPush {
     TilePush tile;
     ShadePush shade;
@@ -25,9 +27,7 @@ struct TileBox {
 
 TileBox box; // round all points of the tile
 VisiblePoint point;
-bool here;      // whether there is one
-vec3 shading;   // its normals
-vec3 geometric;
+bool here; // whether there is one
 vec3 sum = vec3(0.0);
 
 TileBox tile_box() {
@@ -80,11 +80,9 @@ void visit(uint bases[2], uvec2 near_beams) {
     uvec2 inside = uvec2(0u);
     while (any_bit(near_beams)) {
         uint bit = take_bit(near_beams);
-        Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
-        if (!here || beam.medium != point.medium) continue;
-        count(TALLY_TESTS);
+        if (!here) continue;
         Section section;
-        if (section_at(beam, point.position, section) && section.y <= beam_range(beam).y) {
+        if (holds_point(beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS], point, section)) {
             inside[bit / 32u] |= 1u << (bit % 32u);
         }
     }
@@ -94,22 +92,7 @@ void visit(uint bases[2], uvec2 near_beams) {
         Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
         Section section;
         section_at(beam, point.position, section);
-        vec3 start;
-        vec3 found = beam_irradiance(push.shade, beam, section, point.position, shading, geometric, start);
-        if (!all_finite(found) || !all_finite(start)) {
-            count(TALLY_NON_FINITE);
-            continue;
-        }
-        if (mean(found) <= 0.0) continue;
-        count(TALLY_FRAGMENTS);
-        if (wants_ray(beam, section, push.shade.shadows)) {
-            count(TALLY_RAYS);
-            if (is_shadowed(beam, point.position, start)) {
-                count(TALLY_SHADOWED);
-                continue;
-            }
-        }
-        sum += found;
+        sum += surface_light(push.shade, beam, point, section);
     }
 }
 
@@ -120,9 +103,14 @@ void main() {
     point = VisiblePoint(vec3(0.0), NO_INSTANCE, 0u, 0u, 0.0, 0u);
     if (slot != NO_SLOT) point = visible_points[slot];
     here = point.instance != NO_INSTANCE;
-    shading = unpack_direction(point.normal);
-    geometric = unpack_direction(point.geometric);
+    // Points that the camera sees straight are lit already.
+    bool drawn = push.tile.drawn != 0u && slot < view.width * view.rows;
+    if (drawn && here && visible_shades[slot].events == 0u) here = false;
     box = tile_box();
+    if (drawn) {
+        sum = drawn_irradiance[slot].rgb;
+        count_drawn(drawn_irradiance[slot].w);
+    }
     traverse(push.tile, box.media);
     if (slot != NO_SLOT) sample_irradiance[slot] = vec4(sum, 0.0);
     close_tallies();

@@ -2,9 +2,10 @@
 
 mod boxes;
 mod counters;
+mod hulls;
 mod options;
 
-pub use options::{Area, Integral, Interval, Options, SETTINGS, Shadows};
+pub use options::{Area, Bounds, Integral, Interval, Options, SETTINGS, Shadows, Tier};
 
 use crate::film::VISIBLE_LAYERS;
 use crate::frame::Frame;
@@ -12,6 +13,7 @@ use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
+use hulls::Hulls;
 
 /// The beams of a sample, wherever they come from.
 #[derive(Clone)]
@@ -30,7 +32,7 @@ crate::gpu_struct! {
         pub capacity: u32,
         pub blocks: u32,
         pub listed: u32,
-        pub padding0: u32,
+        pub drawn: u32,
     }
 }
 
@@ -77,6 +79,9 @@ pub const LAYOUTS: &[Layout] = &[
     VolumeLightPush::LAYOUT,
     boxes::BeamBox::LAYOUT,
     boxes::BoxesPush::LAYOUT,
+    hulls::Hull::LAYOUT,
+    hulls::HullPush::LAYOUT,
+    hulls::ExtrudePush::LAYOUT,
 ];
 
 /// Slots of a tile, 8 x 8.
@@ -91,6 +96,8 @@ pub struct Accumulator {
     tallies: Buffer,
     gather: Kernel,
     volume: Option<(Kernel, VolumePush)>,
+    /// `None` where tiles look for all light.
+    hulls: Option<Hulls>,
     tiles: u32,
     listed: bool,
 }
@@ -115,15 +122,20 @@ impl Accumulator {
             true => Some((Kernel::new(device, "beams/gather_volume", variant)?, volume_push(&options))),
             false => None,
         };
+        let shade = ShadePush {
+            light_angle: options.light_angle,
+            smooth_area: u32::from(options.area == Area::Vertex),
+            shadows: u32::from(options.shadows == Shadows::Edges),
+            soft: options.soft,
+        };
+        let pushes = (shade, volume_push(&options));
+        let hulls = Hulls::new(&options, context, beams, pushes)?;
+        let drawn = hulls::drawn_bindings(device, hulls.as_ref())?;
         Ok(Accumulator {
-            shade: ShadePush {
-                light_angle: options.light_angle,
-                smooth_area: u32::from(options.area == Area::Vertex),
-                shadows: u32::from(options.shadows == Shadows::Edges),
-                soft: options.soft,
-            },
+            shade,
+            hulls,
             beams: beams.clone(),
-            bindings: bindings.and(boxes.bindings()),
+            bindings: bindings.and(boxes.bindings()).and(&drawn),
             boxes,
             tallies,
             gather: Kernel::new(device, "beams/gather", variant)?,
@@ -131,6 +143,11 @@ impl Accumulator {
             tiles: tiles(context.frame, listed),
             listed,
         })
+    }
+
+    /// What finds the beams.
+    pub fn tier(&self) -> Tier {
+        self.hulls.as_ref().map_or(Tier::Compute, Hulls::tier)
     }
 
     /// Forgets what was counted.
@@ -148,6 +165,9 @@ impl Accumulator {
         if new_beams {
             self.boxes.record(recorder, &bindings)?;
         }
+        if let Some(hulls) = &self.hulls {
+            hulls.record(frame, recorder, &bindings)?;
+        }
         let push = LightPush { tile: self.tile_push(), shade: self.shade };
         let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
         recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
@@ -163,7 +183,7 @@ impl Accumulator {
             capacity: self.beams.capacity,
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
-            padding0: 0,
+            drawn: u32::from(self.hulls.is_some()),
         }
     }
 

@@ -1,0 +1,33 @@
+// A beam's light at a visible point, its shadow included.
+#include "shared/visible.glsl"
+#include "technique/beams/shade.glsl"
+#include "technique/beams/shadow.glsl"
+#include "technique/beams/tally_names.glsl"
+
+// Who includes this counts.
+void count(uint what);
+
+// Whether a beam has a point in it.
+bool holds_point(Beam beam, VisiblePoint point, out Section section) {
+    if (beam.medium != point.medium) return false;
+    count(TALLY_TESTS);
+    return section_at(beam, point.position, section) && section.y <= beam_range(beam).y;
+}
+
+// W/m2, at a point that the beam holds.
+vec3 surface_light(ShadePush push, Beam beam, VisiblePoint point, Section section) {
+    vec3 start;
+    vec3 found = beam_irradiance(push, beam, section, point.position, unpack_direction(point.normal),
+                                 unpack_direction(point.geometric), start);
+    if (!all_finite(found) || !all_finite(start)) {
+        count(TALLY_NON_FINITE);
+        return vec3(0.0);
+    }
+    if (mean(found) <= 0.0) return vec3(0.0);
+    count(TALLY_FRAGMENTS);
+    if (!wants_ray(beam, section, push.shadows)) return found;
+    count(TALLY_RAYS);
+    if (!is_shadowed(beam, point.position, start)) return found;
+    count(TALLY_SHADOWED);
+    return vec3(0.0);
+}
