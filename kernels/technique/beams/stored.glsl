@@ -14,6 +14,15 @@ struct BeamBox {
     uint beams; // that are not empty
     vec3 high;
     uint media; // a bit for each medium below 31 that a beam of it is in; bit 31 for all others
+    // Of a block, closer round its beams: their mean direction, and bounds across it (shaft.glsl).
+    vec3 axis;
+    float near;
+    vec4 at_near;
+    vec4 at_far;
+    float far;
+    float padding0;
+    float padding1;
+    float padding2;
 };
 
 uint medium_bit(uint medium) {

@@ -14,6 +14,14 @@ crate::gpu_struct! {
         pub beams: u32,
         pub high: [f32; 3],
         pub media: u32,
+        pub axis: [f32; 3],
+        pub near: f32,
+        pub at_near: [f32; 4],
+        pub at_far: [f32; 4],
+        pub far: f32,
+        pub padding0: f32,
+        pub padding1: f32,
+        pub padding2: f32,
     }
 }
 
