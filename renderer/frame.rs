@@ -165,6 +165,12 @@ impl Frame {
         self.film.clear(device)
     }
 
+    /// Where in its pixel sample `index` is, [0, 1)^2, the same for all pixels: the raster can shift its projection only as a
+    /// whole, and each pixel sees the whole (0,2)-sequence all the same. Not where sampling is adaptive.
+    pub fn jitter(&self, index: u32) -> [f32; 2] {
+        random::sample_2d(index, self.seed)
+    }
+
     /// What the visibility stage is made of.
     pub fn visibility_tier(&self) -> &'static str {
         match self.visibility {
@@ -196,10 +202,8 @@ impl Frame {
     /// # Errors
     /// Those of the device. After an adaptive pilot the host reads back how much pixels vary.
     pub fn record(&mut self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
-        // One jitter for all pixels: the raster can shift its projection only as a whole. Each pixel sees the whole
-        // (0,2)-sequence all the same.
         let listed = self.adaptive.is_some().into();
-        let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
+        let sample = Sample { jitter: self.jitter(index), index, listed };
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.record_list(recorder, &self.bindings, index)?;
         }

@@ -6,111 +6,208 @@ layout(local_size_x = 64) in;
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/ordered.glsl"
+#include "technique/beams/footprint.glsl"
 
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 2, binding = 12, std430) writeonly buffer SampleIrradiance { vec4 sample_irradiance[]; };
 layout(push_constant) uniform LightPush {
     TilePush tile;
     ShadePush shade;
+    vec2 jitter;     // of the sample in its pixel
+    uint footprints; // 1: what pixels cover, 0: their points
+    uint padding0;
 } push;
 
-shared uint tile_bounds[6]; // low, then high
+// Eight invocations in a row are a part of the tile of four by two pixels, which sees fewer beams than the tile.
+const uint PARTS = 8u;
+shared uint part_bounds[PARTS][6]; // low, then high
+shared uint part_beams[PARTS][2];  // bits of the beams that come near
 shared uint tile_media;
 
-struct TileBox {
+struct Box {
     vec3 low;
     vec3 high;
-    uint media;
 };
 
-TileBox box; // round all points of the tile
+Box box; // round all of the tile
 VisiblePoint point;
-bool here;      // whether there is one
+Footprint footprint;
+bool here;      // whether there is a point
 vec3 shading;   // its normals
 vec3 geometric;
 vec3 sum = vec3(0.0);
 
-TileBox tile_box() {
+Box part_box(uint part) {
+    Box found;
+    for (uint i = 0u; i < 3u; i++) {
+        found.low[i] = from_ordered(part_bounds[part][i]);
+        found.high[i] = from_ordered(part_bounds[part][3u + i]);
+    }
+    return found;
+}
+
+// Opens boxes round what this invocation looks at.
+uint find_boxes(Box own) {
     uint lane = gl_LocalInvocationIndex;
-    if (lane < 6u) tile_bounds[lane] = lane < 3u ? 0xffffffffu : 0u;
+    if (lane < PARTS) {
+        for (uint i = 0u; i < 6u; i++) part_bounds[lane][i] = i < 3u ? 0xffffffffu : 0u;
+    }
     if (lane == 0u) tile_media = 0u;
+    if (lane < PARTS) part_beams[lane] = uint[2](0u, 0u);
     open_tallies();
     open_votes();
     barrier();
     if (here) {
         for (uint i = 0u; i < 3u; i++) {
-            atomicMin(tile_bounds[i], ordered(point.position[i]));
-            atomicMax(tile_bounds[3u + i], ordered(point.position[i]));
+            atomicMin(part_bounds[lane / PARTS][i], ordered(own.low[i]));
+            atomicMax(part_bounds[lane / PARTS][3u + i], ordered(own.high[i]));
         }
         atomicOr(tile_media, medium_bit(point.medium));
     }
     barrier();
-    TileBox found;
-    for (uint i = 0u; i < 3u; i++) {
-        found.low[i] = from_ordered(tile_bounds[i]);
-        found.high[i] = from_ordered(tile_bounds[3u + i]);
+    // A part without points keeps bounds that hold nothing, and takes none from the others.
+    uint low[3] = uint[3](0xffffffffu, 0xffffffffu, 0xffffffffu);
+    uint high[3] = uint[3](0u, 0u, 0u);
+    for (uint part = 0u; part < PARTS; part++) {
+        for (uint i = 0u; i < 3u; i++) {
+            low[i] = min(low[i], part_bounds[part][i]);
+            high[i] = max(high[i], part_bounds[part][3u + i]);
+        }
     }
-    found.media = tile_media;
-    return found;
+    for (uint i = 0u; i < 3u; i++) {
+        box.low[i] = from_ordered(low[i]);
+        box.high[i] = from_ordered(high[i]);
+    }
+    return tile_media;
 }
 
-bool meets_tile(vec3 low, vec3 high) {
-    return all(lessThanEqual(low, box.high)) && all(greaterThanEqual(high, box.low));
+bool meet(vec3 low, vec3 high, Box other) {
+    return all(lessThanEqual(low, other.high)) && all(greaterThanEqual(high, other.low));
 }
 
 bool near_box(BeamBox beams_box) {
-    return meets_tile(beams_box.low, beams_box.high);
+    return meet(beams_box.low, beams_box.high, box);
 }
 
-// By a box round the part of the beam at the tile's heights along it.
-bool near_beam(Beam beam) {
-    vec3 middle = 0.5 * (box.low + box.high) - beam.corners[0].origin;
+// By a box round the part of the beam at the heights along it of what is in `other`.
+bool comes_near(Beam beam, Box other) {
+    vec3 middle = 0.5 * (other.low + other.high) - beam.corners[0].origin;
     float y = dot(beam.normal, middle);
-    float extent = dot(abs(beam.normal), 0.5 * (box.high - box.low));
+    float extent = dot(abs(beam.normal), 0.5 * (other.high - other.low));
     extent += 1e-5 * (abs(y) + extent);
     vec2 range = beam_range(beam);
     range = vec2(max(range.x, y - extent), min(range.y, y + extent));
     if (!(range.x <= range.y)) return false;
     vec3 low, high;
     box_of_range(beam, range, low, high);
-    return meets_tile(low, high);
+    return meet(low, high, other);
+}
+
+bool near_beam(Beam beam) {
+    return comes_near(beam, box);
+}
+
+// Adds the beam's light unless it is shadowed; `at` is where it arrives, `start` where it comes from.
+void add(Beam beam, Section section, vec3 at, vec3 start, vec3 light) {
+    if (!all_finite(light) || !all_finite(start)) {
+        count(TALLY_NON_FINITE);
+        return;
+    }
+    if (mean(light) <= 0.0) return;
+    count(TALLY_FRAGMENTS);
+    if (wants_ray(beam, section, push.shade.shadows)) {
+        count(TALLY_RAYS);
+        if (is_shadowed(beam, at, start)) {
+            count(TALLY_SHADOWED);
+            return;
+        }
+    }
+    sum += light;
+}
+
+// Where the beam's light that falls into the pixel arrives, and what it brings.
+bool light_on_footprint(Beam beam, out Section section, out vec3 at, out vec3 start, out vec3 light) {
+    Covered covered;
+    if (!covers(beam, footprint, covered)) return false;
+    vec3 w = covered.weights;
+    section.weights = w;
+    section.y = dot(w, covered.heights);
+    section.way = w.x * beam.corners[0].way + w.y * beam.corners[1].way + w.z * beam.corners[2].way;
+    section.area = section_area(beam, section.y);
+    at = vec3(0.0);
+    for (uint i = 0u; i < 3u; i++) at += w[i] * (beam.corners[i].origin + covered.heights[i] * beam.corners[i].way);
+    float density = covered.part / footprint.area;
+    light = beam_on_area(push.shade, beam, section, at, density, shading, geometric, start);
+    return section.y <= beam_range(beam).y;
+}
+
+bool light_on_point(Beam beam, out Section section, out vec3 at, out vec3 start, out vec3 light) {
+    at = point.position;
+    if (!section_at(beam, at, section) || section.y > beam_range(beam).y) return false;
+    light = beam_irradiance(push.shade, beam, section, at, shading, geometric, start);
+    return true;
 }
 
 void visit(uint bases[2], uvec2 near_beams) {
-    uvec2 inside = uvec2(0u);
-    while (any_bit(near_beams)) {
-        uint bit = take_bit(near_beams);
+    uint lane = gl_LocalInvocationIndex;
+    uint own = lane / 32u == 0u ? near_beams.x : near_beams.y;
+    if ((own >> (lane % 32u) & 1u) != 0u) {
+        Beam beam = beams[bases[lane / BLOCK_BEAMS] + lane % BLOCK_BEAMS];
+        for (uint part = 0u; part < PARTS; part++) {
+            if (comes_near(beam, part_box(part))) atomicOr(part_beams[part][lane / 32u], 1u << (lane % 32u));
+        }
+    }
+    barrier();
+    uvec2 mine = uvec2(part_beams[lane / PARTS][0], part_beams[lane / PARTS][1]);
+    barrier();
+    if (lane < PARTS) part_beams[lane] = uint[2](0u, 0u);
+    while (any_bit(mine)) {
+        uint bit = take_bit(mine);
         Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
         if (!here || beam.medium != point.medium) continue;
         count(TALLY_TESTS);
         Section section;
-        if (section_at(beam, point.position, section) && section.y <= beam_range(beam).y) {
-            inside[bit / 32u] |= 1u << (bit % 32u);
-        }
+        vec3 at, start, light;
+        bool lit = footprint.known ? light_on_footprint(beam, section, at, start, light)
+                                   : light_on_point(beam, section, at, start, light);
+        if (lit) add(beam, section, at, start, light);
     }
-    // Apart from the tests, so that invocations of one subgroup look at theirs together.
-    while (any_bit(inside)) {
-        uint bit = take_bit(inside);
-        Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
-        Section section;
-        section_at(beam, point.position, section);
-        vec3 start;
-        vec3 found = beam_irradiance(push.shade, beam, section, point.position, shading, geometric, start);
-        if (!all_finite(found) || !all_finite(start)) {
-            count(TALLY_NON_FINITE);
-            continue;
-        }
-        if (mean(found) <= 0.0) continue;
-        count(TALLY_FRAGMENTS);
-        if (wants_ray(beam, section, push.shade.shadows)) {
-            count(TALLY_RAYS);
-            if (is_shadowed(beam, point.position, start)) {
-                count(TALLY_SHADOWED);
-                continue;
-            }
-        }
-        sum += found;
-    }
+}
+
+// The step to a neighbour that is on the same surface.
+bool step_to(uint slot, out vec3 step) {
+    VisiblePoint other = visible_points[slot];
+    step = other.position - point.position;
+    return other.instance == point.instance && other.medium == point.medium &&
+           dot(unpack_direction(other.geometric), geometric) > 0.9;
+}
+
+void look_around(uint slot) {
+    footprint.known = false;
+    if (push.footprints == 0u || !here) return;
+    uint place = slot % (view.width * view.rows);
+    uint x = place % view.width;
+    uint y = place / view.width;
+    vec3 left = vec3(0.0), right = vec3(0.0), above = vec3(0.0), below = vec3(0.0);
+    bool has_left = x > 0u && step_to(slot - 1u, left);
+    bool has_right = x + 1u < view.width && step_to(slot + 1u, right);
+    bool has_above = y > 0u && step_to(slot - view.width, above);
+    bool has_below = y + 1u < view.rows && step_to(slot + view.width, below);
+    vec3 across, down;
+    bool known = pixel_step(has_left, -left, has_right, right, across);
+    known = pixel_step(has_above, -above, has_below, below, down) && known;
+    if (known) footprint = footprint_of(point.position, geometric, across, down, push.jitter);
+}
+
+Box own_box() {
+    if (!footprint.known) return Box(point.position, point.position);
+    // Back from pixels to metres.
+    float scale = dot(footprint.normal, cross(footprint.across, footprint.down));
+    vec3 across = cross(footprint.down, footprint.normal) / scale;
+    vec3 down = cross(footprint.normal, footprint.across) / scale;
+    vec3 middle = point.position + footprint.centre.x * across + footprint.centre.y * down;
+    vec3 extent = 0.5 * (abs(across) + abs(down));
+    return Box(middle - extent, middle + extent);
 }
 
 void main() {
@@ -122,8 +219,9 @@ void main() {
     here = point.instance != NO_INSTANCE;
     shading = unpack_direction(point.normal);
     geometric = unpack_direction(point.geometric);
-    box = tile_box();
-    traverse(push.tile, box.media);
+    look_around(slot);
+    uint media = find_boxes(own_box());
+    traverse(push.tile, media);
     if (slot != NO_SLOT) sample_irradiance[slot] = vec4(sum, 0.0);
     close_tallies();
 }

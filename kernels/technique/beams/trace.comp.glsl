@@ -18,8 +18,9 @@ bool branch(BeamVertex before, vec3 arriving, bool refracts, out BeamVertex next
     next = before;
     origin = vec3(0.0);
     Surface s = surface_at(before.target, before.primitive, unpackUnorm2x16(before.barycentrics));
-    // Barycentrics are packed; the place is not.
-    s.position = landing(before);
+    // Barycentrics are packed and the landing is as far off as its ray is long; both agree on the plane.
+    vec3 place = landing(before);
+    s.position = place - s.geometric * dot(place - s.position, s.geometric);
     Material material = materials[s.material];
     bool crosses = false;
     if (material.kind == MATERIAL_DIELECTRIC) {
@@ -72,7 +73,8 @@ void main() {
 
     BeamVertex first = BeamVertex(vec3(0.0), 0u, vec3(0.0, 1.0, 0.0), 0.0, vec3(1.0), light.medium, NO_INSTANCE,
                                   NO_INSTANCE, 0u, 0u);
-    light_ray(v, lattice_chart(v, vec2(place.column, place.row), push.jitter), first.position, first.direction);
+    vec2 chart = lattice_chart(v, vec2(place.column, place.row), push.jitter);
+    light_ray(v, chart, first.position, first.direction);
 
     // The first turn is the light's own ray.
     for (uint turn = 0u; turn <= settings.sheets; turn++) {

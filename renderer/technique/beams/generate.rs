@@ -214,6 +214,8 @@ pub struct Generator {
     sizes: Buffer,
     settings: BeamSettings,
     jittered: bool,
+    /// Whether corners have areas of their own.
+    smooth_area: bool,
     seed: u32,
 }
 
@@ -224,12 +226,7 @@ impl Generator {
     }
 
     /// The same for a scene, camera or lights that have changed.
-    pub fn restart(
-        &mut self,
-        settings: &Settings,
-        context: &Context<'_>,
-        views: &LightViews,
-    ) -> Result<(), GpuError> {
+    pub fn restart(&mut self, settings: &Settings, context: &Context<'_>, views: &LightViews) -> Result<(), GpuError> {
         // The old buffers go before there are new ones: both would be twice the memory.
         self.bindings = Bindings::new();
         *self = Self::with(settings, self.kernels.clone(), context, views)?;
@@ -299,6 +296,7 @@ impl Generator {
             sizes,
             settings: numbers,
             jittered: settings.choice("jitter") == "on",
+            smooth_area: settings.choice("area") == "vertex",
             seed: random::combine(context.seed, 0x6265_616d),
         })
     }
@@ -364,7 +362,9 @@ impl Generator {
         recorder.pass("beams/size")?.dispatch(&kernels.size, &bindings, &(), 1)?;
         let sizes = &self.sizes;
         let [leaves, sheets, rays] = [0, SIZE_BYTES, 2 * SIZE_BYTES];
-        recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
+        if self.smooth_area {
+            recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
+        }
         recorder.pass("beams/count_beams")?.dispatch_indirect(&kernels.count_beams, &bindings, &(), sizes, sheets)?;
         let scan = BeamScanPush { blocks: 0, total: 1 };
         recorder.pass("beams/scan")?.dispatch(&kernels.scan, &bindings, &scan, BLOCK)?;

@@ -66,6 +66,9 @@ crate::gpu_struct! {
     pub struct LightPush {
         pub tile: TilePush,
         pub shade: ShadePush,
+        pub jitter: [f32; 2],
+        pub footprints: u32,
+        pub padding0: u32,
     }
 }
 
@@ -93,6 +96,7 @@ pub struct Accumulator {
     volume: Option<(Kernel, VolumePush)>,
     tiles: u32,
     listed: bool,
+    footprints: bool,
 }
 
 impl Accumulator {
@@ -130,6 +134,7 @@ impl Accumulator {
             volume,
             tiles: tiles(context.frame, listed),
             listed,
+            footprints: options.footprints && !listed,
         })
     }
 
@@ -143,12 +148,18 @@ impl Accumulator {
 
     /// Records how the beams' light comes to the sample's visible points: afterwards the block `SampleIrradiance` holds it,
     /// W/m2, and where the scene scatters `SampleVolume` what comes to the camera from media. `new_beams`: they have changed since the sample before.
-    pub fn record(&self, frame: &Frame, recorder: &mut Recorder, new_beams: bool) -> Result<(), GpuError> {
+    pub fn record(&self, frame: &Frame, recorder: &mut Recorder, index: u32, new_beams: bool) -> Result<(), GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
         if new_beams {
             self.boxes.record(recorder, &bindings)?;
         }
-        let push = LightPush { tile: self.tile_push(), shade: self.shade };
+        let push = LightPush {
+            tile: self.tile_push(),
+            shade: self.shade,
+            jitter: frame.jitter(index),
+            footprints: self.footprints.into(),
+            padding0: 0,
+        };
         let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
         recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
         if let Some((kernel, volume)) = &self.volume {

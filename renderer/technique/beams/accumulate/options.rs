@@ -9,8 +9,16 @@ pub const SETTINGS: &[Setting] = &[
         kind: SettingKind::Choice(&["vertex", "beam"]),
         default: "vertex",
         unit: "",
-        help: "The area that light is spread over: interpolated between the corners of a beam, which is smooth from beam to \
-               beam, or each beam's own",
+        help: "The area that light is spread over: interpolated between the corners of a beam, at each the one of all beams round \
+               it, which is smooth from beam to beam; or each beam's own",
+    },
+    Setting {
+        key: "footprint",
+        kind: SettingKind::Choice(&["pixel", "point"]),
+        default: "pixel",
+        unit: "",
+        help: "What of a surface a sample looks at: all that its pixel covers, which needs few samples where light is thinner \
+               than a pixel, or a point; with --adaptive always a point",
     },
     Setting {
         key: "shadows",
@@ -92,6 +100,8 @@ pub enum Integral {
 pub struct Options {
     pub area: Area,
     pub shadows: Shadows,
+    /// What a pixel covers, not its point.
+    pub footprints: bool,
     pub interval: Interval,
     pub integral: Integral,
     /// m before a surface within which volume light fades.
@@ -114,6 +124,7 @@ impl Options {
             },
             soft: settings.number("soft"),
             light_angle: settings.number("light_angle").to_radians(),
+            footprints: settings.choice("footprint") == "pixel",
         }
     }
 }
@@ -123,6 +134,7 @@ impl Default for Options {
         Options {
             area: Area::Vertex,
             shadows: Shadows::Points,
+            footprints: true,
             interval: Interval::Exact,
             integral: Integral::Closed,
             soft: 0.0,
