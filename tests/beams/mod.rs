@@ -1,6 +1,7 @@
 //! Beams made on the host, and what they should bring, in f64.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
+pub mod flat_water;
 pub mod oracle;
 pub mod stage;
 

@@ -56,7 +56,10 @@ pub struct Stage {
 
 impl Stage {
     pub fn new(request: &Request, scene: Scene, size: (u32, u32), sampling: Sampling) -> Self {
-        let device = request.open();
+        Self::on(request.open(), scene, size, sampling)
+    }
+
+    pub fn on(device: Device, scene: Scene, size: (u32, u32), sampling: Sampling) -> Self {
         let gpu_scene = GpuScene::new(&device, &scene).unwrap();
         let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
         let view = View::new(&scene.cameras[0], &scene.film, size, Band { first: 0, count: size.1 }).of(&scene);
