@@ -4,8 +4,8 @@ use glam::DVec3;
 use nephroid::random;
 use nephroid::scene::{Camera, DensityGrid, Emitter, Light, Medium, Scene};
 
-/// Steps along a ray to the camera: light varies over tenths of a metre on rays of some ten.
-const STEPS: u32 = 4000;
+/// Steps along a ray to the camera, without and with a grid: light varies over tenths of a metre on rays of some ten.
+const STEPS: [u32; 2] = [4000, 1500];
 /// Steps along a ray to a lamp, through a grid of some ten cells.
 const STEPS_TO_LIGHT: u32 = 200;
 
@@ -66,10 +66,11 @@ impl<'a> Air<'a> {
         light: &Light,
         lit: impl Fn(DVec3) -> bool,
     ) -> [f64; 3] {
-        let step = length / f64::from(STEPS);
+        let steps = STEPS[usize::from(self.grid.is_some())];
+        let step = length / f64::from(steps);
         let mut depth = 0.0;
         let mut sum = [0.0; 3];
-        for i in 0..STEPS {
+        for i in 0..steps {
             let point = from + (f64::from(i) + 0.5) * step * direction;
             let density = self.density(point);
             depth += 0.5 * density * step;
@@ -117,7 +118,7 @@ fn lamp(light: &Light, point: DVec3) -> Lamp {
             Lamp { irradiance: lamp.irradiance * (x * x * (3.0 - 2.0 * x)), ..lamp }
         }
         Emitter::Directional { direction, irradiance } => {
-            Lamp { way: -direction.as_dvec3(), distance: 10.0, irradiance: irradiance.as_dvec3() }
+            Lamp { way: -direction.as_dvec3(), distance: 5.0, irradiance: irradiance.as_dvec3() }
         }
     }
 }
