@@ -214,7 +214,7 @@ impl Frame {
                     .map(|&(instance, vertices)| (DrawPush { jitter: sample.jitter, instance, padding0: 0 }, vertices))
                     .collect();
                 recorder.pass("frame/visibility")?.draw(raster, targets, &bindings, &items)?;
-                recorder.pass("frame/visibility-copy")?.copy_image(&targets.color, &self.primary_ids);
+                recorder.pass("frame/visibility-copy")?.copy_image(&targets.color, &self.primary_ids, 0);
             }
             Visibility::Rays { primary } => {
                 recorder.pass("frame/primary")?.dispatch(primary, &bindings, &sample, self.film.pixels())?;

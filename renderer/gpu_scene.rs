@@ -1,6 +1,6 @@
 //! The scene's copy on the device: one buffer a kind of thing, the same for every kernel.
 
-use glam::{Affine3A, Mat4, UVec3, Vec3};
+use glam::{Affine3A, DVec3, Mat4, UVec3, Vec3};
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError};
 use crate::scene::{Bounds, DensityGrid, Emitter, Light, Material, Medium, Mesh, Scene, Surface, Texture};
@@ -83,9 +83,11 @@ pub mod records {
             pub intensity: [f32; 3],
             pub cos_inner: f32,
             pub cos_outer: f32,
+            pub image: u32,
+            pub half_width: f32,
             pub padding0: u32,
+            pub up: [f32; 3],
             pub padding1: u32,
-            pub padding2: u32,
         }
     }
     gpu_struct! {
@@ -271,21 +273,26 @@ fn pack_light(light: &Light) -> records::Light {
         intensity: [0.0; 3],
         cos_inner: -1.0,
         cos_outer: -1.0,
+        image: NO_TEXTURE,
+        half_width: 0.0,
         padding0: 0,
+        up: [0.0; 3],
         padding1: 0,
-        padding2: 0,
     };
     match light.emitter {
         Emitter::Point { position, intensity } => {
             records::Light { position: position.to_array(), intensity: intensity.to_array(), ..empty }
         }
-        Emitter::Spot { position, direction, intensity, inner, outer } => records::Light {
+        Emitter::Spot { position, direction, intensity, inner, outer, image } => records::Light {
             kind: 1,
             position: position.to_array(),
             direction: direction.to_array(),
             intensity: intensity.to_array(),
             cos_inner: inner.cos(),
             cos_outer: outer.cos(),
+            image: image.map_or(NO_TEXTURE, |image| image.texture as u32),
+            half_width: outer.tan(),
+            up: image.map_or(Vec3::ZERO, |image| image.axes(direction.as_dvec3())[1].as_vec3()).to_array(),
             ..empty
         },
         Emitter::Directional { direction, irradiance } => {
@@ -312,4 +319,11 @@ fn pack_textures(textures: &[Texture]) -> (Vec<records::Texture>, Vec<u32>) {
 fn pack_texel(texel: [f32; 3]) -> u32 {
     let bits = texel.map(|c| (c.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
     bits[0] | bits[1] << 10 | bits[2] << 20
+}
+
+/// What kernels read for a texel: it has been rounded.
+pub(crate) fn stored_texel(texel: [f32; 3]) -> DVec3 {
+    let bits = pack_texel(texel);
+    let root = [bits & 1023, bits >> 10 & 1023, bits >> 20].map(|bits| f64::from(bits) / 1023.0);
+    DVec3::from(root) * DVec3::from(root)
 }

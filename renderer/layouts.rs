@@ -1,7 +1,7 @@
 //! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
 
 use crate::gpu::{GpuStruct, Layout};
-use crate::{adaptive, animate, display, film, frame, gpu_scene, technique, trace, view};
+use crate::{adaptive, animate, display, film, frame, gpu_scene, light_view, technique, trace, view};
 
 /// All of them.
 pub fn layouts() -> Vec<Layout> {
@@ -26,9 +26,11 @@ pub fn layouts() -> Vec<Layout> {
         frame::DrawPush::LAYOUT,
         technique::emission::EmissionCell::LAYOUT,
     ];
+    all.extend(light_view::LAYOUTS);
     all.extend(animate::layouts());
     all.extend(technique::reference::LAYOUTS);
     all.extend(technique::mnee::layouts());
+    all.extend(technique::beams::layouts());
     all.extend(trace::LAYOUTS);
     all
 }

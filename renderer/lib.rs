@@ -13,6 +13,7 @@ pub mod gpu;
 pub mod gpu_scene;
 pub mod image;
 pub mod layouts;
+pub mod light_view;
 pub mod motion;
 pub mod random;
 pub mod render;

@@ -392,3 +392,52 @@ fn images_become_textures_and_reliefs() {
     );
     assert!(error.ends_with(&expected), "{error}");
 }
+
+/// A spot light that projects an image, in place of the lamp.
+const PROJECTOR: &str = "kind = \"spot\"\nposition = [0, 3, 0]\ntarget = [0, 1, 0]\nintensity = 1\nouter = 60\n\
+                         image = \"slide.png\"\nup = [0, 1, 1]";
+
+#[test]
+fn a_spot_light_projects_an_image() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbImage::from_pixel(3, 2, image::Rgb([255, 0, 0])).save(folder.path().join("slide.png")).unwrap();
+    let path = folder.path().join("bad.toml");
+    let text = SOUND.replace("kind = \"point\"\nposition = [0, 3, 0]\nintensity = 10", PROJECTOR);
+    let scene = parse(&text, &path).unwrap();
+    let Emitter::Spot { image: Some(image), direction, .. } = scene.lights[0].emitter else { panic!() };
+    assert_eq!((image.texture, scene.textures[0].width, scene.textures[0].texels[0]), (0, 3, [1.0, 0.0, 0.0]));
+    // Down, its top turned to +z: +x is then on its left.
+    let [right, up] = image.axes(direction.as_dvec3());
+    assert!((right - glam::DVec3::NEG_X).length() < 1e-6 && (up - glam::DVec3::Z).length() < 1e-6, "{right} {up}");
+
+    let up = "a light whose `up` (0, 1, 0 if left out) is not along its axis";
+    let cases = [
+        ("outer = 60", "outer = 90", "31: `light.outer` is 90; allowed: a number from 0.1 to 89 beside `image`".into()),
+        ("outer = 60", "outer = 0", "31: `light.outer` is 0; allowed: a number from 0.1 to 89 beside `image`".into()),
+        (
+            "image = \"slide.png\"\n",
+            "",
+            "32: `light.up` is the list [0, 1, 1]; allowed: this key beside `image` only".into(),
+        ),
+        ("up = [0, 1, 1]", "up = [0, 2, 0]", format!("33: `light.up` is the list [0, 2, 0]; allowed: {up}")),
+        ("\nup = [0, 1, 1]", "", format!("29: `light.target` is the list [0, 1, 0]; allowed: {up}")),
+        (
+            "up = [0, 1, 1]",
+            "up = [0, 1, 1]\nkeys = [{ time = 0 }, { time = 1, target = [0, 4, 1] }]",
+            format!("34: `light.keys.target` is the list [0, 4, 1]; allowed: {up}"),
+        ),
+        (
+            "slide.png",
+            "none.png",
+            format!(
+                "32: `light.image` refers to {}, which cannot be read: there is no such file",
+                folder.path().join("none.png").display()
+            ),
+        ),
+    ];
+    for (from, to, expected) in cases {
+        assert!(text.contains(from), "{from}");
+        let error = parse(&text.replace(from, to), &path).expect_err(to).to_string();
+        assert!(error.ends_with(&format!("bad.toml:{expected}")), "{to}: {error}");
+    }
+}

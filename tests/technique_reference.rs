@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::pool::{flat_water_irradiance, floor_point};
-use common::{Case, Request, layer};
+use common::{Case, Request, layer, slide};
 use nephroid::image;
 use nephroid::render::Picture;
 use nephroid::scene::{self, Scene};
@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         Case { name: "fresnel_by_chance_and_by_splitting_agree", needs: &[], disable: "", run: fresnel },
         Case { name: "tiers_agree_within_noise", needs: &[], disable: "", run: tiers },
         Case { name: "a_directional_light_keeps_its_flux", needs: &[], disable: "", run: directional },
+        Case { name: "photons_carry_the_image_of_their_light", needs: &[], disable: "", run: projected },
     ])
 }
 
@@ -219,5 +220,83 @@ irradiance = [1, 2, 3]
         let mean = layer(&picture.image, "caustic").iter().map(|p| f64::from(p[channel])).sum::<f64>() / 192.0;
         println!("channel {channel}: {mean}");
         assert!((mean / (irradiance * expected) - 1.0).abs() < 0.005, "channel {channel}: {mean}");
+    }
+}
+
+/// A light above water, and a camera in it that looks down on the floor: the image's left, white, is its left.
+const SLIDE: &str = r#"
+[[camera]]
+name = "c"
+position = [0, -0.05, 0]
+target = [0, -1, 0]
+up = [0, 0, -1]
+medium = "water"
+fov_y = 60
+[[medium]]
+name = "water"
+index = 1.33
+[[material]]
+name = "surface"
+kind = "dielectric"
+back = "water"
+[[material]]
+name = "white"
+kind = "diffuse"
+albedo = 1
+[[object]]
+name = "w"
+shape = "plane"
+size = [40, 30]
+material = "surface"
+[[object]]
+name = "f"
+shape = "plane"
+centre = [0, -1, 0]
+size = [40, 30]
+material = "white"
+[[light]]
+name = "l"
+kind = "spot"
+position = [0, 2, 0]
+target = [0, 0, 0]
+intensity = 1
+outer = 40
+image = "i.png"
+up = [0, 0, -1]
+"#;
+
+fn projected(request: &Request) {
+    let render = |text: &str| -> Picture {
+        request.render(slide::parse(text), |s| {
+            s.size = Some((24, 24));
+            s.samples = Some(4);
+            s.set = vec!["reference.photons=100000".to_string()];
+        })
+    };
+    let watts = |picture: &Picture, name: &str| picture.stats.ledger.iter().find(|e| e.name == name).unwrap().watts;
+    let (with, without) = (render(SLIDE), render(&SLIDE.replace("image = \"i.png\"\nup = [0, 0, -1]\n", "")));
+    // Half of the light is white, a quarter of it green, and of that a third counts in the mean of the channels.
+    let part = 0.5 + 0.25 / 3.0;
+    for name in ["emitted", "landed"] {
+        let ratio = watts(&with, name) / watts(&without, name);
+        println!("{name}: {ratio} of the light without an image, {part} expected");
+        assert!((ratio / part - 1.0).abs() < 5e-3, "{name}: {ratio}");
+    }
+    let [with, without] = [with, without].map(|picture| layer(&picture.image, "caustic"));
+    let mean = |pixels: &[[f32; 3]], columns: std::ops::Range<usize>, rows: std::ops::Range<usize>, channel: usize| {
+        let of_row = |row: usize| columns.clone().map(move |column| (row, column));
+        let all: Vec<f32> = rows.clone().flat_map(of_row).map(|(r, c)| pixels[24 * r + c][channel]).collect();
+        f64::from(all.iter().sum::<f32>()) / all.len() as f64
+    };
+    // Left, right above, right below, a pixel or two from the borders, whose blur is the estimate's.
+    for (columns, rows, expected) in
+        [(0..9, 0..24, [1.0, 1.0, 1.0]), (15..24, 0..9, [0.0, 0.0, 0.0]), (15..24, 15..24, [0.0, 1.0, 0.0])]
+    {
+        for channel in 0..3 {
+            let whole = mean(&without, columns.clone(), rows.clone(), 1);
+            let ratio = mean(&with, columns.clone(), rows.clone(), channel) / whole;
+            println!("columns {columns:?} rows {rows:?} channel {channel}: {ratio}");
+            assert!((ratio - expected[channel]).abs() < 0.03, "columns {columns:?} rows {rows:?}: {ratio}");
+        }
     }
 }

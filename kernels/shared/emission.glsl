@@ -34,6 +34,5 @@ void emit(EmissionCell cell, Light light, vec2 random, out vec3 origin, out vec3
     float length2 = dot(way, way);
     origin = light.position;
     direction = way * inversesqrt(length2);
-    flux = light.intensity * area / (length2 * sqrt(length2));
-    if (light.kind == LIGHT_SPOT) flux *= spot_falloff(light, direction);
+    flux = light_power_along(light, direction) * area / (length2 * sqrt(length2));
 }

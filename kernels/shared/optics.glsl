@@ -132,6 +132,22 @@ float spot_falloff(Light light, vec3 direction) {
     return x * x * (3.0 - 2.0 * x);
 }
 
+// What a spot light's image lets through; 1 where there is none.
+vec3 spot_image(Light light, vec3 direction) {
+    if (light.image == NO_TEXTURE) return vec3(1.0);
+    float ahead = dot(direction, light.direction);
+    if (ahead <= 0.0) return vec3(0.0);
+    vec2 across = vec2(dot(direction, cross(light.direction, light.up)), -dot(direction, light.up));
+    vec2 at = 0.5 + 0.5 * across / (ahead * light.half_width);
+    return image_color(light.image, clamp(at, 0.0, 1.0));
+}
+
+// W/sr that leave a point or spot light along the unit direction; W/m2 of a directional light.
+vec3 light_power_along(Light light, vec3 direction) {
+    if (light.kind != LIGHT_SPOT) return light.intensity;
+    return light.intensity * spot_falloff(light, direction) * spot_image(light, direction);
+}
+
 LightSample light_at(Light light, vec3 position) {
     LightSample result;
     if (light.kind == LIGHT_DIRECTIONAL) {
@@ -144,7 +160,6 @@ LightSample light_at(Light light, vec3 position) {
     float distance2 = max(dot(way, way), 1e-20);
     result.distance = sqrt(distance2);
     result.to_light = way / result.distance;
-    result.irradiance = light.intensity / distance2;
-    if (light.kind == LIGHT_SPOT) result.irradiance *= spot_falloff(light, -result.to_light);
+    result.irradiance = light_power_along(light, -result.to_light) / distance2;
     return result;
 }

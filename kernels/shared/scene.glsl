@@ -61,9 +61,11 @@ struct Light {
     vec3 intensity; // W/sr; directional: W/m2 on a plane perpendicular to the direction
     float cos_inner;
     float cos_outer;
+    uint image;       // NO_TEXTURE, or what a spot light projects: an index into textures
+    float half_width; // of the image, one metre from the light
     uint padding0;
+    vec3 up;          // unit, across the direction: the image's top
     uint padding1;
-    uint padding2;
 };
 
 struct Texture {

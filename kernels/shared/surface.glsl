@@ -45,6 +45,12 @@ vec3 texel(Texture t, uint x, uint y) {
     return root * root;
 }
 
+vec3 bilinear(Texture t, uvec2 first, uvec2 second, vec2 part) {
+    vec3 top = mix(texel(t, first.x, first.y), texel(t, second.x, first.y), part.x);
+    vec3 bottom = mix(texel(t, first.x, second.y), texel(t, second.x, second.y), part.x);
+    return mix(top, bottom, part.y);
+}
+
 // Bilinear, repeating; v = 0 is the image's bottom.
 vec3 texture_color(uint index, vec2 uv) {
     Texture t = textures[index];
@@ -55,9 +61,16 @@ vec3 texture_color(uint index, vec2 uv) {
     ivec2 wrap = ivec2(t.width, t.height);
     uvec2 first = uvec2((ivec2(low) + wrap) % wrap);
     uvec2 second = uvec2((first.x + 1u) % t.width, (first.y + 1u) % t.height);
-    vec3 top = mix(texel(t, first.x, first.y), texel(t, second.x, first.y), part.x);
-    vec3 bottom = mix(texel(t, first.x, second.y), texel(t, second.x, second.y), part.x);
-    return mix(top, bottom, part.y);
+    return bilinear(t, first, second, part);
+}
+
+// Bilinear, the border's colour beyond the middle of its texels; `at` in [0, 1]^2, (0, 0) the upper left corner.
+vec3 image_color(uint index, vec2 at) {
+    Texture t = textures[index];
+    vec2 last = vec2(t.width - 1u, t.height - 1u);
+    vec2 place = clamp(at * (last + 1.0) - 0.5, vec2(0.0), last);
+    vec2 low = floor(place);
+    return bilinear(t, uvec2(low), uvec2(min(low + 1.0, last)), place - low);
 }
 
 vec3 albedo_at(Surface s) {

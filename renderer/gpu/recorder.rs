@@ -350,18 +350,19 @@ impl Pass<'_> {
         self
     }
 
-    /// Copies a colour target, row after row without gaps, to the start of a buffer.
-    pub(crate) fn copy_image(&mut self, from: &Image, to: &Buffer) -> &mut Self {
+    /// Copies a colour target, row after row without gaps, to byte `offset` of a buffer.
+    pub(crate) fn copy_image(&mut self, from: &Image, to: &Buffer, offset: u64) -> &mut Self {
         self.hold(to);
         self.recorder.held.push(Arc::new(from.clone()));
         let region = vk::BufferImageCopy::default()
+            .buffer_offset(offset)
             .image_subresource(vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
                 layer_count: 1,
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width: from.extent.width, height: from.extent.height, depth: 1 });
-        // SAFETY: the image is in GENERAL since it was drawn to; the buffer holds the whole of it.
+        // SAFETY: the image is in GENERAL since it was drawn to; the buffer holds the whole of it from `offset` on.
         unsafe {
             self.recorder.device.raw.cmd_copy_image_to_buffer(
                 self.recorder.commands,

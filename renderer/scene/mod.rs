@@ -28,7 +28,7 @@ mod value;
 
 use std::path::PathBuf;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 
 pub use animation::Animation;
 pub use error::SceneError;
@@ -200,12 +200,30 @@ pub enum Emitter {
     Point { position: Vec3, intensity: Vec3 },
     /// `intensity`: W/sr on the axis; full inside `inner`, none outside `outer`, smoothstep in the angle's cosine
     /// between. Both are half angles in radians, 0 <= inner <= outer <= pi/2.
-    Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner: f32, outer: f32 },
+    Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner: f32, outer: f32, image: Option<SpotImage> },
     /// `direction`: unit, the way the light travels; `irradiance`: W/m2 on a plane perpendicular to it.
     Directional { direction: Vec3, irradiance: Vec3 },
 }
 
-/// An image that multiplies an albedo.
+/// What a spot light projects, like a slide: a picture that multiplies its intensity, on the square that just holds the
+/// outer cone. Only where `outer` is below pi/2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpotImage {
+    pub texture: TextureId,
+    /// Unit: the picture's top is on this side.
+    pub up: Vec3,
+}
+
+impl SpotImage {
+    /// Unit vectors across the light's unit `direction`, to the picture's right and to its top, as seen from the light.
+    pub fn axes(&self, direction: DVec3) -> [DVec3; 2] {
+        let up = self.up.as_dvec3().reject_from_normalized(direction);
+        let up = up.try_normalize().unwrap_or_else(|| direction.any_orthonormal_vector());
+        [direction.cross(up), up]
+    }
+}
+
+/// An image that multiplies an albedo, or what a spot light sends out.
 #[derive(Debug, Clone)]
 pub struct Texture {
     pub name: String,

@@ -4,8 +4,9 @@
 //! plane across a directional light. The triangles are drawn conservatively into a fine bitmap over each chart, whose
 //! bits are then merged into about as many cells as asked for. All of it in f64, on the host.
 
-mod chart;
-mod grid;
+pub(crate) mod chart;
+pub(crate) mod grid;
+mod spot;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +17,7 @@ use glam::{Affine3A, DAffine3, DVec2, DVec3, Vec3};
 use crate::scene::{Emitter, Scene};
 use chart::Projector;
 use grid::{Grid, Rectangle};
+use spot::SpotPattern;
 
 crate::gpu_struct! {
     /// One patch of directions (point, spot) or of a plane (directional) through which photons leave a light.
@@ -69,11 +71,9 @@ const FINE_CELLS: f64 = 4_194_304.0;
 /// Bits along one side of a chart.
 const FINE_SIDE: f64 = 65_536.0;
 /// Of the largest coordinate at hand (1 on a cube face): eight times the rounding of f32, in which rays are traced.
-const ROUNDING: f64 = 1e-6;
+pub(crate) const ROUNDING: f64 = 1e-6;
 /// Of the scene's diagonal: how far upstream of it the photons of a directional light start.
-const UPSTREAM: f64 = 1e-3;
-/// Points at which the fall-off of a spot light is taken, over all of its cells.
-const FALL_OFF_POINTS: f64 = 262_144.0;
+pub(crate) const UPSTREAM: f64 = 1e-3;
 
 /// Covers what the lights of `scene` have to light with about `target_cells` cells.
 ///
@@ -84,7 +84,7 @@ pub fn emission(scene: &Scene, target_cells: usize) -> Emission {
     let targets = specular_targets(scene);
     let bounds = Bounds::of(scene);
     let footprints: Vec<_> =
-        scene.lights.iter().map(|light| Footprint::new(&light.emitter, &targets, &bounds)).collect();
+        scene.lights.iter().map(|light| Footprint::new(&light.emitter, scene, &targets, &bounds)).collect();
     let even = target_cells as f64 / scene.lights.len().max(1) as f64;
     let flux: Vec<f64> = footprints.iter().map(|footprint| total(footprint.cells(even).1)).collect();
     let all: f64 = flux.iter().sum();
@@ -106,12 +106,12 @@ fn total(flux: DVec3) -> f64 {
 }
 
 /// A specular instance in world space.
-struct Target<'a> {
+pub(crate) struct Target<'a> {
     positions: Vec<DVec3>,
     triangles: &'a [[u32; 3]],
 }
 
-fn specular_targets(scene: &Scene) -> Vec<Target<'_>> {
+pub(crate) fn specular_targets(scene: &Scene) -> Vec<Target<'_>> {
     let specular = scene.instances.iter().filter(|i| scene.materials[i.material].surface.is_specular());
     specular
         .map(|instance| {
@@ -128,7 +128,7 @@ fn in_f64(transform: Affine3A) -> DAffine3 {
     DAffine3::from_cols(x, y, z, transform.translation.as_dvec3())
 }
 
-fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a {
+pub(crate) fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a {
     let of_one = |target: &'a Target| {
         target.triangles.iter().map(|triangle| triangle.map(|vertex| target.positions[vertex as usize]))
     };
@@ -136,13 +136,13 @@ fn triangles<'a>(targets: &'a [Target]) -> impl Iterator<Item = [DVec3; 3]> + 'a
 }
 
 /// World-space box of all instances.
-struct Bounds {
-    min: DVec3,
-    max: DVec3,
+pub(crate) struct Bounds {
+    pub min: DVec3,
+    pub max: DVec3,
 }
 
 impl Bounds {
-    fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let mut bounds = Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         for instance in &scene.instances {
             let to_world = in_f64(instance.transform);
@@ -156,16 +156,16 @@ impl Bounds {
     }
 
     /// Metres, the largest coordinate in magnitude.
-    fn reach(&self) -> f64 {
+    pub fn reach(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
     /// Least p . `direction` of all points in the box.
-    fn least_along(&self, direction: DVec3) -> f64 {
+    pub fn least_along(&self, direction: DVec3) -> f64 {
         (self.min * direction).min(self.max * direction).element_sum()
     }
 
-    fn diagonal(&self) -> f64 {
+    pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
     }
 }
@@ -173,13 +173,16 @@ impl Bounds {
 /// What a light emits into the specular triangles: one fine bitmap for each chart that shows any.
 struct Footprint<'a> {
     emitter: &'a Emitter,
+    /// Of a spot light.
+    pattern: Option<SpotPattern>,
     offset: f64,
     grids: Vec<Grid>,
 }
 
 impl<'a> Footprint<'a> {
-    fn new(emitter: &'a Emitter, targets: &[Target], bounds: &Bounds) -> Self {
-        let nothing = Footprint { emitter, offset: 0.0, grids: Vec::new() };
+    fn new(emitter: &'a Emitter, scene: &Scene, targets: &[Target], bounds: &Bounds) -> Self {
+        let pattern = SpotPattern::of(emitter, &scene.textures);
+        let nothing = Footprint { emitter, pattern, offset: 0.0, grids: Vec::new() };
         if targets.is_empty() {
             return nothing;
         }
@@ -215,7 +218,8 @@ impl<'a> Footprint<'a> {
             let blocks = grid.blocks_in_order(coarseness);
             cells.extend(blocks.into_iter().map(|block| self.cell(grid.face, block)));
         }
-        let steps = (FALL_OFF_POINTS / cells.len().max(1) as f64).sqrt().clamp(4.0, 64.0) as u32;
+        let points = self.pattern.as_ref().map_or(0.0, SpotPattern::points);
+        let steps = (points / cells.len().max(1) as f64).sqrt().clamp(4.0, 64.0) as u32;
         let flux = cells.iter().map(|cell| self.flux(cell, steps)).sum();
         (cells, flux)
     }
@@ -233,15 +237,16 @@ impl<'a> Footprint<'a> {
         }
     }
 
-    /// W through one cell; a spot light's fall-off is taken at `steps`^2 points of it.
+    /// W through one cell; a spot light's pattern is taken at `steps`^2 points of it.
     fn flux(&self, cell: &EmissionCell, steps: u32) -> DVec3 {
         let [lower, size] = [cell.lower, cell.size].map(|pair| DVec2::from(pair.map(f64::from)));
         match *self.emitter {
             Emitter::Point { intensity, .. } => intensity.as_dvec3() * solid_angle(lower, size),
             Emitter::Directional { irradiance, .. } => irradiance.as_dvec3() * size.element_product(),
-            Emitter::Spot { direction, intensity, inner, outer, .. } => {
-                let spot = FallOff::new(direction, inner, outer);
-                intensity.as_dvec3() * spot.solid_angle(cell.face as usize, lower, size, steps)
+            Emitter::Spot { intensity, .. } => {
+                let pattern = self.pattern.as_ref();
+                let solid_angle = |p: &SpotPattern| p.solid_angle(cell.face as usize, lower, size, steps);
+                intensity.as_dvec3() * pattern.map_or(DVec3::ZERO, solid_angle)
             }
         }
     }
@@ -279,7 +284,7 @@ fn fine_step<'a>(areas: impl Iterator<Item = &'a Rectangle> + Clone, margin: f64
 
 /// Steradians of the rectangle at distance 1: of the two triangles that its diagonal makes, after van Oosterom and
 /// Strackee 1983. A difference of arctangents at its corners would cancel for small ones.
-fn solid_angle(lower: DVec2, size: DVec2) -> f64 {
+pub(crate) fn solid_angle(lower: DVec2, size: DVec2) -> f64 {
     let upper = lower + size;
     let [a, c] = [lower, upper].map(|corner| corner.extend(1.0));
     let [b, d] = [DVec3::new(upper.x, lower.y, 1.0), DVec3::new(lower.x, upper.y, 1.0)];
@@ -289,49 +294,4 @@ fn solid_angle(lower: DVec2, size: DVec2) -> f64 {
         2.0 * size.element_product().atan2(cosines)
     };
     triangle(b) + triangle(d)
-}
-
-/// How a spot light dims from its axis outward.
-struct FallOff {
-    direction: DVec3,
-    cos_inner: f64,
-    cos_outer: f64,
-}
-
-impl FallOff {
-    fn new(direction: Vec3, inner: f32, outer: f32) -> Self {
-        let [cos_inner, cos_outer] = [inner, outer].map(|angle| f64::from(angle).cos());
-        FallOff { direction: direction.as_dvec3().normalize(), cos_inner, cos_outer }
-    }
-
-    fn at(&self, direction: DVec3) -> f64 {
-        let cosine = direction.dot(self.direction) / direction.length();
-        if cosine >= self.cos_inner {
-            return 1.0;
-        }
-        // Where both angles are equal, what is left is below both cosines: no division by 0.
-        if cosine <= self.cos_outer {
-            return 0.0;
-        }
-        let t = (cosine - self.cos_outer) / (self.cos_inner - self.cos_outer);
-        t * t * (3.0 - 2.0 * t)
-    }
-
-    /// Integral over the rectangle of a face, sr.
-    fn solid_angle(&self, face: usize, lower: DVec2, size: DVec2, steps: u32) -> f64 {
-        let [axis, u, v] = chart::axes(face);
-        let at = |fraction: DVec2| {
-            let point = lower + fraction * size;
-            (self.at(axis + point.x * u + point.y * v), point.length_squared())
-        };
-        // The inner cone is convex: corners inside are all inside.
-        let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
-        if corners.iter().all(|&corner| at(corner).0 >= 1.0) {
-            return solid_angle(lower, size);
-        }
-        let middles = || (0..steps).map(|i| (f64::from(i) + 0.5) / f64::from(steps));
-        let points = middles().flat_map(|y| middles().map(move |x| DVec2::new(x, y)));
-        let sum: f64 = points.map(at).map(|(fall_off, r2)| fall_off * (1.0 + r2).powf(-1.5)).sum();
-        sum * size.element_product() / f64::from(steps * steps)
-    }
 }

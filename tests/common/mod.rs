@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 pub mod pool;
+pub mod slide;
 
 use std::process::{Command, ExitCode};
 use std::sync::{Mutex, PoisonError};

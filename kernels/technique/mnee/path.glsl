@@ -174,8 +174,7 @@ Path path_at(Query query, VisiblePoint point, Light light, uint triangle, vec2 p
                                  path.light_distance, path.point_distance);
         area = area_near_fold(bundle, area, signed_area(there), turn, width);
     }
-    vec3 power = light.intensity;
-    if (light.kind == LIGHT_SPOT) power *= spot_falloff(light, -path.to_light);
+    vec3 power = light_power_along(light, -path.to_light);
     vec3 medium = transmittance(point.medium, query.point, -to_point, path.point_distance) *
                   transmittance(light.medium, query.point + path.at, path.to_light, path.light_distance);
     path.irradiance = power * medium * ((1.0 - fresnel(cos_in, from_light.eta)) * cos_point / abs(area));

@@ -67,7 +67,7 @@ fn point(x: f32, y: f32, z: f32) -> Emitter {
 }
 
 fn spot(position: Vec3, direction: Vec3, inner: f32, outer: f32) -> Emitter {
-    Emitter::Spot { position, direction: direction.normalize(), intensity: Vec3::ONE, inner, outer }
+    Emitter::Spot { position, direction: direction.normalize(), intensity: Vec3::ONE, inner, outer, image: None }
 }
 
 fn sun(direction: Vec3) -> Emitter {
