@@ -4,31 +4,21 @@
 mod air;
 mod common;
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use air::{Air, rays};
+use air::{Air, LAMPS, ROOM, SIZE, fog, parse, rays, render};
 use common::{Case, Request, layer};
 use glam::{DVec3, Vec3};
-use nephroid::gpu::Capability;
 use nephroid::random;
-use nephroid::render::{Picture, RenderSettings};
-use nephroid::scene::{self, Bounds, DensityGrid, Scene};
-use nephroid::technique::TechniqueKind;
+use nephroid::render::Picture;
+use nephroid::scene::{Bounds, DensityGrid, Scene};
 
 /// One pixel of 256 places a stretch, over the brightest one. 1e-2 at worst; a missing leg or factor is far above it.
 const PIXEL: f64 = 2e-2;
 /// Of the picture's mean, in which noise cancels: 1e-3 at worst.
 const MEAN: f64 = 2e-3;
-/// Of the mean of an adaptive picture of one place a stretch; merging each round's fog twice, or not, is far above it.
-const ADAPTIVE: f64 = 1e-2;
 /// Rounding of f32.
 const CLOSED_FORM: f64 = 1e-4;
-/// Tiers see the same surfaces but for single pixels.
-const TIERS: f64 = 1e-3;
-
-const SIZE: (u32, u32) = (12, 9);
-
 fn main() -> ExitCode {
     common::run(&[
         Case { name: "lamps_in_fog_are_the_quadrature", needs: &[], disable: "", run: lamps },
@@ -38,62 +28,9 @@ fn main() -> ExitCode {
         Case { name: "optical_depth_is_exact", needs: &[], disable: "", run: optical_depth },
         Case { name: "the_sun_in_an_even_box_is_the_closed_form", needs: &[], disable: "", run: sun },
         Case { name: "fog_over_and_under_water_is_seen_through_it", needs: &[], disable: "", run: water },
-        Case { name: "a_density_of_one_half_is_half_the_coefficients", needs: &[], disable: "", run: even_density },
         Case { name: "no_scattering_and_no_density_cost_and_give_nothing", needs: &[], disable: "", run: nothing },
         Case { name: "too_many_stretches_are_told", needs: &[], disable: "", run: many_stretches },
-        Case {
-            name: "fog_is_the_same_by_raster_and_rays",
-            needs: &[Capability::PreciseRaster],
-            disable: "",
-            run: raster_and_rays,
-        },
-        Case { name: "fog_is_the_same_by_all_back_ends", needs: &[], disable: "", run: back_ends },
-        Case { name: "adaptive_fog_is_not_biased", needs: &[], disable: "", run: adaptive },
     ])
-}
-
-fn parse(text: &str) -> Scene {
-    scene::parse(text, Path::new("test.toml")).unwrap()
-}
-
-/// A black wall across the view at z = -5.
-const ROOM: &str = r#"
-[film]
-volume_samples = 256
-[[camera]]
-name = "c"
-position = [0.3, 0.2, 5]
-target = [0, 0, 0]
-fov_y = 40
-medium = "fog"
-[[material]]
-name = "wall"
-kind = "diffuse"
-albedo = 0
-[[object]]
-name = "wall"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "wall"
-transform = { rotate = [90, 0, 0], translate = [0, 0, -5] }
-"#;
-
-fn fog(absorption: &str, scattering: &str, asymmetry: f64) -> String {
-    format!(
-        "[[medium]]\nname = \"fog\"\nindex = 1.0001\nabsorption = {absorption}\nscattering = {scattering}\nasymmetry = \
-         {asymmetry}\n"
-    )
-}
-
-/// One sample without a technique, whose places in the pixels are known.
-fn render(request: &Request, scene: Scene, change: impl FnOnce(&mut RenderSettings)) -> Picture {
-    request.render(scene, |settings| {
-        settings.technique = TechniqueKind::None;
-        settings.samples = Some(1);
-        settings.size = Some(SIZE);
-        change(settings);
-    })
 }
 
 /// What each ray shows of the room's fog, `lit` from each light.
@@ -127,21 +64,6 @@ fn check(picture: &Picture, expected: &[[f64; 3]], what: &str) {
     assert!(means.iter().all(|mean| (mean - 1.0).abs() < MEAN), "{what}: {means:?}");
     assert!(picture.stats.warnings.is_empty(), "{what}: {:?}", picture.stats.warnings);
 }
-
-const LAMPS: &str = r#"
-[[light]]
-name = "near"
-kind = "point"
-position = [0.8, 0.5, 1]
-intensity = [3, 2, 1]
-medium = "fog"
-[[light]]
-name = "behind"
-kind = "point"
-position = [-1, 1, 7]
-intensity = [0, 5, 9]
-medium = "fog"
-"#;
 
 fn lamps(request: &Request) {
     for (absorption, scattering, asymmetry) in [
@@ -337,55 +259,6 @@ fn water(request: &Request) {
     }
 }
 
-/// Fog and lamps over and in shallow water; with `density`, the fog's and the water's coefficients are twice as large.
-fn shallow(density: bool) -> Scene {
-    let text = include_str!("../scenes/flat_water.toml");
-    let factor = if density { 2.0 } else { 1.0 };
-    let mut scene = scene::parse(text, Path::new("scenes/flat_water.toml")).unwrap();
-    for medium in &mut scene.media {
-        medium.absorption = Vec3::new(0.02, 0.05, 0.1) * factor;
-        medium.scattering = Vec3::new(0.1, 0.05, 0.02) * factor;
-        medium.asymmetry = 0.6;
-        medium.density = density.then_some(0);
-    }
-    let bounds = Bounds { min: Vec3::splat(-20.0), max: Vec3::splat(20.0) };
-    if density {
-        scene.densities.push(DensityGrid { bounds, points: [5, 6, 7], values: vec![0.5; 210] });
-    }
-    scene
-}
-
-/// Every caller of a medium's coefficients: walk, direct light, fog, photons, paths of mnee.
-fn even_density(request: &Request) {
-    for (technique, setting) in
-        [(TechniqueKind::Mnee, "mnee.search=footprints"), (TechniqueKind::Reference, "reference.photons=20000")]
-    {
-        let picture = |density| {
-            let picture = request.render(shallow(density), |s| {
-                (s.technique, s.size, s.samples) = (technique, Some((24, 18)), Some(1));
-                s.set = vec![setting.to_string()];
-            });
-            picture.image
-        };
-        let (even, grid) = (picture(false), picture(true));
-        for name in ["direct", "caustic", "final"] {
-            let (a, b) = (layer(&even, name), layer(&grid, name));
-            let difference = relative(&b, &a);
-            println!("{technique:?} {name}: {difference:.1e}");
-            assert!(difference < CLOSED_FORM, "{technique:?} {name}: {difference}");
-        }
-        assert!(relative(&layer(&even, "volume"), &layer(&grid, "volume")) < PIXEL, "flights are chosen otherwise");
-        assert!(layer(&even, "caustic").iter().any(|p| p[0] > 0.0));
-    }
-}
-
-fn relative(test: &[[f32; 3]], truth: &[[f32; 3]]) -> f64 {
-    let square = |a: f32, b: f32| f64::from(a - b).powi(2);
-    let error: f64 = test.iter().zip(truth).flat_map(|(a, b)| (0..3).map(move |c| square(a[c], b[c]))).sum();
-    let size: f64 = truth.iter().flatten().map(|&b| square(b, 0.0)).sum();
-    (error / size.max(1e-300)).sqrt()
-}
-
 fn nothing(request: &Request) {
     let has_pass = |picture: &Picture| picture.stats.passes.iter().any(|pass| pass.name == "frame/volume");
     let clear = render(request, parse(&format!("{ROOM}{}{LAMPS}", fog("0.2", "0", 0.0))), |_| {});
@@ -420,63 +293,4 @@ fn many_stretches(request: &Request) {
     let many = parse(&(0..5).fold(text, |text, k| text + &pane(3.0 - f64::from(k))));
     let warnings = render(request, many, |_| {}).stats.warnings;
     assert!(warnings.iter().any(|w| w.contains("more than 4 stretches")), "{warnings:?}");
-}
-
-/// The pool with fog over murky water, by 4 samples.
-fn pool(request: &Request, disable: &str, trace: &str) -> Vec<[f32; 3]> {
-    let mut scene = scene::load(Path::new("scenes/pool.toml")).unwrap();
-    for medium in &mut scene.media {
-        medium.scattering = Vec3::splat(0.1);
-    }
-    let picture = render(request, scene, |s| {
-        s.device = request.without(disable);
-        s.trace = trace.parse().unwrap();
-        s.camera = Some("above".to_string());
-        s.size = Some((48, 36));
-        s.samples = Some(4);
-    });
-    layer(&picture.image, "volume")
-}
-
-fn raster_and_rays(request: &Request) {
-    let (raster, rays) = (pool(request, "", "bvh"), pool(request, "graphics", "bvh"));
-    let difference = relative(&raster, &rays);
-    println!("{difference:.1e}");
-    assert!(difference < TIERS && rays.iter().any(|p| p[0] > 0.0), "{difference}");
-}
-
-fn back_ends(request: &Request) {
-    let truth = pool(request, "graphics", "cwbvh");
-    let difference = relative(&pool(request, "graphics", "bvh2"), &truth);
-    assert!(difference < TIERS && truth.iter().any(|p| p[0] > 0.0), "{difference}");
-    if request.info.capabilities.has(Capability::RayQuery) {
-        let difference = relative(&pool(request, "graphics", "ray-query"), &truth);
-        assert!(difference < TIERS, "{difference}");
-    }
-}
-
-fn adaptive(request: &Request) {
-    // What varies is where in the fog a lamp is looked for: one place a stretch.
-    let scene = |samples: u32| {
-        // Out of sight: next to a lamp in the picture radiance has no bound.
-        let lamps = LAMPS.replace("[0.8, 0.5, 1]", "[3, 3, 1]");
-        let mut scene = parse(&format!("{ROOM}{}{lamps}", fog("[0.02, 0.1, 0.3]", "[0.1, 0.05, 0.2]", 0.7)));
-        scene.film.volume_samples = samples;
-        scene
-    };
-    let mean = |pixels: Vec<[f32; 3]>, c: usize| pixels.iter().map(|p| f64::from(p[c])).sum::<f64>();
-    let truth = render(request, scene(16), |s| s.samples = Some(64));
-    let picture = request.render(scene(1), |s| {
-        (s.technique, s.size, s.samples, s.adaptive) = (TechniqueKind::Mnee, Some(SIZE), Some(64), true);
-    });
-    let adaptive = picture.stats.adaptive.unwrap();
-    assert!(adaptive.most > adaptive.least, "{adaptive:?}");
-    for name in ["volume", "final"] {
-        for c in 0..3 {
-            let (found, expected) = (layer(&picture.image, name), layer(&truth.image, name));
-            let ratio = mean(found, c) / mean(expected, c);
-            println!("{name} {c}: {ratio:.5}");
-            assert!((ratio - 1.0).abs() < ADAPTIVE, "{name} {c}: {ratio}");
-        }
-    }
 }
