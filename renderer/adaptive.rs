@@ -80,12 +80,17 @@ impl Adaptive {
         let direct = zeroed("round direct", 16 * VISIBLE_LAYERS)?;
         let albedo = zeroed("round albedo", 16)?;
         let normal = zeroed("round normal", 16)?;
-        let round =
-            Bindings::new().buffer("FilmDirect", &direct).buffer("FilmAlbedo", &albedo).buffer("FilmNormal", &normal);
+        let volume = zeroed("round volume", if film.has_volume() { 16 * VISIBLE_LAYERS } else { 0 })?;
+        let round = Bindings::new()
+            .buffer("FilmDirect", &direct)
+            .buffer("FilmAlbedo", &albedo)
+            .buffer("FilmNormal", &normal)
+            .buffer("FilmVolume", &volume);
         let pixel = Bindings::new()
             .buffer("RoundDirect", &direct)
             .buffer("RoundAlbedo", &albedo)
             .buffer("RoundNormal", &normal)
+            .buffer("RoundVolume", &volume)
             .buffer("PixelPlans", &plans)
             .buffer("PilotMoments", &moments);
         Ok(Adaptive {
@@ -109,7 +114,7 @@ impl Adaptive {
         let mut recorder = Recorder::new(device)?;
         let mut pass = recorder.pass("film/clear")?;
         pass.fill(&self.plans, 0).fill(&self.moments, 0);
-        for block in ["FilmDirect", "FilmAlbedo", "FilmNormal"] {
+        for block in ["FilmDirect", "FilmAlbedo", "FilmNormal", "FilmVolume"] {
             if let Some(Binding::Buffer(buffer)) = self.round.get(block) {
                 pass.fill(buffer, 0);
             }

@@ -13,9 +13,9 @@ crate::gpu_struct! {
         pub samples: f32,
         pub gain: f32,
         pub white: f32,
+        pub volume: u32,
         pub padding0: u32,
         pub padding1: u32,
-        pub padding2: u32,
     }
 }
 
@@ -65,9 +65,9 @@ impl Display {
             samples: samples.max(1) as f32,
             gain: look.exposure.exp2(),
             white: REINHARD_WHITE,
+            volume: film.has_volume().into(),
             padding0: 0,
             padding1: 0,
-            padding2: 0,
         };
         let bindings = film.bindings.clone().buffer("DisplayPixels", &buffer);
         let mut recorder = Recorder::new(&self.device)?;

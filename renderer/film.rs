@@ -2,13 +2,16 @@
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Recorder};
 use crate::image::{Channel, FINAL_LAYER, Layer, LayeredImage, RgbImage};
-use crate::view::Band;
+use crate::view::{Band, SEGMENTS};
 
 /// Layers of visible points a pixel: direct or refracted, and reflected.
 pub const VISIBLE_LAYERS: u64 = 2;
 
-/// Bytes of the largest buffer that a pixel has a share of: both layers of one 32-byte record.
-pub const LARGEST_BYTES_PER_PIXEL: u64 = 2 * 32;
+/// Bytes of the largest buffer that a pixel has a share of: both layers of one 32-byte record, or of one a stretch where
+/// media scatter.
+pub fn largest_bytes_per_pixel(scatters: bool) -> u64 {
+    VISIBLE_LAYERS * 32 * if scatters { u64::from(SEGMENTS) } else { 1 }
+}
 
 crate::gpu_struct! {
     /// What the frame's kernels left out, and why; see `kernels/shared/film.glsl`.
@@ -17,7 +20,7 @@ crate::gpu_struct! {
         pub non_finite: u32,
         pub too_long: u32,
         pub wrong_side: u32,
-        pub padding0: u32,
+        pub stretches: u32,
     }
 }
 
@@ -32,12 +35,17 @@ pub struct Film {
     caustic: Buffer,
     irradiance: Buffer,
     sample_irradiance: Buffer,
+    /// Light that media scatter: straight from lights, caustic, and caustic of one sample; of no use where none does.
+    volume: Buffer,
+    caustic_volume: Buffer,
+    sample_volume: Buffer,
+    has_volume: bool,
     counters: Buffer,
 }
 
 impl Film {
-    /// An empty film of `width` pixels by the band's rows.
-    pub fn new(device: &Device, width: u32, band: Band) -> Result<Self, GpuError> {
+    /// An empty film of `width` pixels by the band's rows, with layers for light that media scatter where any does.
+    pub fn new(device: &Device, width: u32, band: Band, has_volume: bool) -> Result<Self, GpuError> {
         let pixels = u64::from(width) * u64::from(band.count);
         let buffer = |name, layers: u64| Buffer::new(device, name, pixels * layers * 16);
         let direct = buffer("film direct", VISIBLE_LAYERS)?;
@@ -46,6 +54,10 @@ impl Film {
         let caustic = buffer("film caustic", VISIBLE_LAYERS)?;
         let irradiance = buffer("film irradiance", 1)?;
         let sample_irradiance = buffer("sample irradiance", VISIBLE_LAYERS)?;
+        let volume_layers = if has_volume { VISIBLE_LAYERS } else { 0 };
+        let volume = buffer("film volume", volume_layers)?;
+        let caustic_volume = buffer("film caustic volume", volume_layers)?;
+        let sample_volume = buffer("sample volume", volume_layers)?;
         let counters = Buffer::new(device, "film counters", 16)?;
         let bindings = Bindings::new()
             .buffer("FilmDirect", &direct)
@@ -54,6 +66,9 @@ impl Film {
             .buffer("FilmCaustic", &caustic)
             .buffer("FilmIrradiance", &irradiance)
             .buffer("SampleIrradiance", &sample_irradiance)
+            .buffer("FilmVolume", &volume)
+            .buffer("FilmCausticVolume", &caustic_volume)
+            .buffer("SampleVolume", &sample_volume)
             .buffer("Counters", &counters);
         let film = Film {
             bindings,
@@ -65,6 +80,10 @@ impl Film {
             caustic,
             irradiance,
             sample_irradiance,
+            volume,
+            caustic_volume,
+            sample_volume,
+            has_volume,
             counters,
         };
         film.clear(device)?;
@@ -77,6 +96,9 @@ impl Film {
         let mut pass = recorder.pass("film/clear")?;
         let Film { direct, albedo, normal, caustic, irradiance, sample_irradiance, counters, .. } = self;
         for buffer in [direct, albedo, normal, caustic, irradiance, sample_irradiance, counters] {
+            pass.fill(buffer, 0);
+        }
+        for buffer in [&self.volume, &self.caustic_volume, &self.sample_volume] {
             pass.fill(buffer, 0);
         }
         drop(pass);
@@ -95,19 +117,27 @@ impl Film {
         &self.sample_irradiance
     }
 
+    /// Whether there are layers for light that media scatter.
+    pub fn has_volume(&self) -> bool {
+        self.has_volume
+    }
+
     /// The band's layers: means over each pixel's samples.
     pub fn read(&self, samples: &SampleCounts) -> Result<FilmRows, GpuError> {
         let pixels = self.pixels() as usize;
+        let points = pixels * VISIBLE_LAYERS as usize;
         let mean = |values: Vec<[f32; 4]>| -> Vec<[f32; 4]> {
             let scale = |index: usize| 1.0 / samples.of(index % pixels).max(1) as f32;
             values.into_iter().enumerate().map(|(index, v)| v.map(|x| x * scale(index))).collect()
         };
         Ok(FilmRows {
-            direct: mean(self.direct.read(pixels * VISIBLE_LAYERS as usize)?),
-            caustic: self.caustic.read(pixels * VISIBLE_LAYERS as usize)?,
+            direct: mean(self.direct.read(points)?),
+            caustic: self.caustic.read(points)?,
             irradiance: self.irradiance.read(pixels)?,
             albedo: mean(self.albedo.read(pixels)?),
             normal: mean(self.normal.read(pixels)?),
+            volume: if self.has_volume { mean(self.volume.read(points)?) } else { Vec::new() },
+            caustic_volume: if self.has_volume { self.caustic_volume.read(points)? } else { Vec::new() },
         })
     }
 
@@ -173,34 +203,51 @@ pub struct FilmRows {
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
     normal: Vec<[f32; 4]>,
+    /// Empty where no medium scatters.
+    volume: Vec<[f32; 4]>,
+    caustic_volume: Vec<[f32; 4]>,
 }
 
 /// The picture's layers from its bands, top to bottom.
 ///
-/// `final` = `refracted` + `reflected`, each direct and caustic radiance seen through that layer; `direct` holds both
-/// layers' direct radiance, `caustic` the irradiance at the first layer's points.
+/// `final` = `refracted` + `reflected`, each all radiance seen through that layer; `direct` holds both layers' direct
+/// radiance, `caustic` the irradiance at the first layer's points. `volume` and `caustic_volume`, both layers' radiance
+/// that media scatter towards the camera, are there only where a medium scatters.
 pub fn assemble(width: usize, height: usize, bands: &[FilmRows]) -> LayeredImage {
     let join = |pick: &dyn Fn(&FilmRows) -> Vec<[f32; 3]>| -> Vec<[f32; 3]> { bands.iter().flat_map(pick).collect() };
     let layer = |band: &FilmRows, index: usize| -> Vec<[f32; 3]> {
         let pixels = band.albedo.len();
         let range = index * pixels..(index + 1) * pixels;
-        band.direct[range.clone()].iter().zip(&band.caustic[range]).map(|(d, c)| add(rgb(d), rgb(c))).collect()
+        let mut sum: Vec<[f32; 3]> = band.direct[range.clone()]
+            .iter()
+            .zip(&band.caustic[range.clone()])
+            .map(|(d, c)| add(rgb(d), rgb(c)))
+            .collect();
+        for part in [&band.volume, &band.caustic_volume] {
+            let scattered = part.get(range.clone()).unwrap_or_default();
+            sum.iter_mut().zip(scattered).for_each(|(sum, v)| *sum = add(*sum, rgb(v)));
+        }
+        sum
     };
     let refracted = join(&|band| layer(band, 0));
     let reflected = join(&|band| layer(band, 1));
     let total = refracted.iter().zip(&reflected).map(|(a, b)| add(*a, *b)).collect::<Vec<_>>();
-    let direct = join(&|band| {
-        let (first, second) = band.direct.split_at(band.albedo.len());
+    let both = |values: &[[f32; 4]]| -> Vec<[f32; 3]> {
+        let (first, second) = values.split_at(values.len() / VISIBLE_LAYERS as usize);
         first.iter().zip(second).map(|(a, b)| add(rgb(a), rgb(b))).collect()
-    });
-    let rgb_layers = [
+    };
+    let mut rgb_layers = vec![
         (FINAL_LAYER, total),
         ("caustic", join(&|band| band.irradiance.iter().map(rgb).collect())),
-        ("direct", direct),
+        ("direct", join(&|band| both(&band.direct))),
         ("refracted", refracted),
         ("reflected", reflected),
         ("albedo", join(&|band| band.albedo.iter().map(rgb).collect())),
     ];
+    if bands.iter().any(|band| !band.volume.is_empty()) {
+        rgb_layers.push(("volume", join(&|band| both(&band.volume))));
+        rgb_layers.push(("caustic_volume", join(&|band| both(&band.caustic_volume))));
+    }
     let mut layers: Vec<Layer> = rgb_layers
         .into_iter()
         .map(|(name, pixels)| Layer::from_rgb(name, &RgbImage { width, height, pixels }))

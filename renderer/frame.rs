@@ -1,5 +1,5 @@
-//! One frame, top to bottom: visibility -> walk to the visible diffuse points -> direct light. What the technique adds
-//! comes after, and `film` composes.
+//! One frame, top to bottom: visibility -> walk to the visible diffuse points -> direct light -> light that media scatter.
+//! What the technique adds comes after, and `film` composes.
 
 use crate::adaptive::{Adaptive, RoundSample};
 use crate::film::{Film, SampleCounts};
@@ -28,6 +28,16 @@ crate::gpu_struct! {
         pub distance: f32,
         pub albedo: [f32; 3],
         pub events: u32,
+    }
+}
+
+crate::gpu_struct! {
+    /// A stretch of a camera path in a medium that scatters; see `kernels/shared/segments.glsl`.
+    pub struct ViewSegment {
+        pub origin: [f32; 3],
+        pub throughput_rg: u32,
+        pub end: [f32; 3],
+        pub throughput_b_medium: u32,
     }
 }
 
@@ -77,6 +87,8 @@ pub struct Frame {
     primary_ids: Buffer,
     walk: Kernel,
     direct: Kernel,
+    /// Only where a medium scatters and there is light.
+    volume: Option<Kernel>,
     accumulate: Kernel,
     draws: Vec<(u32, u32)>,
     seed: u32,
@@ -91,13 +103,14 @@ impl Frame {
         sampling: Sampling,
     ) -> Result<Self, GpuError> {
         let band = Band { first: view.first_row, count: view.rows };
-        let film = Film::new(device, view.width, band)?;
+        let film = Film::new(device, view.width, band, view.segments > 0)?;
         let pixels = u64::from(film.pixels());
         let points = crate::film::VISIBLE_LAYERS * pixels;
         let adaptive = match sampling {
             Sampling::Uniform => None,
             Sampling::Adaptive { samples } => Some(Adaptive::new(device, &film, view.width, samples)?),
         };
+        let segments = u64::from(view.segments) * points * size_of::<ViewSegment>() as u64;
         let listed = if adaptive.is_some() { pixels } else { 0 };
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
         let variant = tracer.backend.variant();
@@ -109,6 +122,7 @@ impl Frame {
         } else {
             Visibility::Rays { primary: Kernel::new(device, "frame/primary", variant)? }
         };
+        let lit_volume = view.segments > 0 && view.lights > 0;
         let view_buffer = Buffer::from_slice(device, "view", &[*view])?;
         let own = film
             .bindings
@@ -116,6 +130,7 @@ impl Frame {
             .buffer("Views", &view_buffer)
             .buffer("PrimaryIds", &primary_ids)
             .buffer("RoundSamples", &Buffer::new(device, "round samples", listed * size_of::<RoundSample>() as u64)?)
+            .buffer("ViewSegments", &Buffer::new(device, "view segments", segments)?)
             .buffer("VisiblePoints", &Buffer::new(device, "visible points", points * size_of::<VisiblePoint>() as u64)?)
             .buffer(
                 "VisibleShades",
@@ -131,6 +146,7 @@ impl Frame {
             primary_ids,
             walk: Kernel::new(device, "frame/walk", variant)?,
             direct: Kernel::new(device, "frame/direct", variant)?,
+            volume: lit_volume.then(|| Kernel::new(device, "frame/volume", variant)).transpose()?,
             accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
@@ -206,6 +222,9 @@ impl Frame {
         }
         recorder.pass("frame/walk")?.dispatch(&self.walk, &bindings, &sample, self.slots())?;
         recorder.pass("frame/direct")?.dispatch(&self.direct, &bindings, &(), self.slots())?;
+        if let Some(volume) = &self.volume {
+            recorder.pass("frame/volume")?.dispatch(volume, &bindings, &sample, self.slots())?;
+        }
         Ok(())
     }
 

@@ -1,9 +1,9 @@
 //! The scene's copy on the device: one buffer a kind of thing, the same for every kernel.
 
-use glam::{Affine3A, DVec3, Mat4, Vec3};
+use glam::{Affine3A, DVec3, Mat4, UVec3, Vec3};
 
 use crate::gpu::{Bindings, Buffer, Device, GpuError};
-use crate::scene::{Bounds, Emitter, Light, Material, Medium, Mesh, Scene, Surface, Texture};
+use crate::scene::{Bounds, DensityGrid, Emitter, Light, Material, Medium, Mesh, Scene, Surface, Texture};
 
 /// Instances of specular surfaces (dielectric, mirror, rough).
 pub const MASK_SPECULAR: u32 = 1;
@@ -11,6 +11,7 @@ pub const MASK_SPECULAR: u32 = 1;
 pub const MASK_DIFFUSE: u32 = 2;
 
 const NO_TEXTURE: u32 = u32::MAX;
+const NO_GRID: u32 = u32::MAX;
 
 crate::gpu_struct! {
     /// Object space.
@@ -57,6 +58,20 @@ pub mod records {
             pub index: f32,
             pub scattering: [f32; 3],
             pub asymmetry: f32,
+            pub grid: u32,
+            pub padding0: u32,
+            pub padding1: u32,
+            pub padding2: u32,
+        }
+    }
+    gpu_struct! {
+        pub struct DensityGrid {
+            pub lower: [f32; 3],
+            pub first_voxel: u32,
+            pub cells_per_metre: [f32; 3],
+            pub padding0: u32,
+            pub points: [u32; 3],
+            pub padding1: u32,
         }
     }
     gpu_struct! {
@@ -122,12 +137,15 @@ impl GpuScene {
         let instance_records = Buffer::from_slice(device, "scene instances", &instances)?;
         let light_records = Buffer::from_slice(device, "scene lights", &lights)?;
         let (textures, texels) = pack_textures(&scene.textures);
+        let (grids, voxels) = pack_densities(&scene.densities);
         let bindings = Bindings::new()
             .buffer("Vertices", &vertices)
             .buffer("Indices", &indices)
             .buffer("Instances", &instance_records)
             .buffer("Materials", &Buffer::from_slice(device, "scene materials", &materials)?)
             .buffer("Media", &Buffer::from_slice(device, "scene media", &media)?)
+            .buffer("DensityGrids", &Buffer::from_slice(device, "density grids", &grids)?)
+            .buffer("Voxels", &Buffer::from_slice(device, "density voxels", &voxels)?)
             .buffer("Lights", &light_records)
             .buffer("Textures", &Buffer::from_slice(device, "scene textures", &textures)?)
             .buffer("Texels", &Buffer::from_slice(device, "scene texels", &texels)?);
@@ -221,7 +239,29 @@ fn pack_medium(medium: &Medium) -> records::Medium {
         index: medium.index,
         scattering: medium.scattering.to_array(),
         asymmetry: medium.asymmetry,
+        grid: medium.density.map_or(NO_GRID, |grid| grid as u32),
+        padding0: 0,
+        padding1: 0,
+        padding2: 0,
     }
+}
+
+/// The grids' records, and what they hold, one after the other.
+fn pack_densities(densities: &[DensityGrid]) -> (Vec<records::DensityGrid>, Vec<f32>) {
+    let (mut grids, mut voxels) = (Vec::new(), Vec::new());
+    for grid in densities {
+        let cells = (UVec3::from(grid.points) - 1).as_vec3();
+        grids.push(records::DensityGrid {
+            lower: grid.bounds.min.to_array(),
+            first_voxel: voxels.len() as u32,
+            cells_per_metre: (cells / (grid.bounds.max - grid.bounds.min)).to_array(),
+            padding0: 0,
+            points: grid.points,
+            padding1: 0,
+        });
+        voxels.extend_from_slice(&grid.values);
+    }
+    (grids, voxels)
 }
 
 fn pack_light(light: &Light) -> records::Light {

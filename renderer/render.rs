@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::animate::Animator;
 use crate::display::{Display, Look};
-use crate::film::{self, FilmRows, LARGEST_BYTES_PER_PIXEL};
+use crate::film::{self, FilmRows};
 use crate::frame::{Frame, Sampling};
 use crate::gpu::{Device, DeviceRequest, GpuError, Recorder};
 use crate::gpu_scene::GpuScene;
@@ -305,7 +305,8 @@ impl Renderer {
         let _span = spans::span("make pipelines");
         self.bands.clear();
         self.done = 0;
-        let rows = bands(self.size, self.device.info.limits.storage_range);
+        let bytes = film::largest_bytes_per_pixel(self.scene.scatters());
+        let rows = bands(self.size, bytes, self.device.info.limits.storage_range);
         self.bands = rows.into_iter().map(|band| self.band(band)).collect::<Result<_, _>>()?;
         Ok(())
     }
@@ -315,11 +316,7 @@ impl Renderer {
     }
 
     fn view(&self, band: Band) -> View {
-        View {
-            seed: self.seed,
-            lights: self.scene.lights.len() as u32,
-            ..View::new(&self.camera, &self.scene.film, self.size, band)
-        }
+        View { seed: self.seed, ..View::new(&self.camera, &self.scene.film, self.size, band).of(&self.scene) }
     }
 
     /// That of the frame before. A camera that is not the scene's own stands still.
@@ -471,9 +468,9 @@ pub fn check_frame(scene: &Scene, frame: u32) -> Result<(), RenderError> {
     Ok(())
 }
 
-/// Bands of rows whose largest buffer fits into a storage range of `limit` bytes.
-fn bands((width, height): (u32, u32), limit: u64) -> Vec<Band> {
-    let rows = (limit / (LARGEST_BYTES_PER_PIXEL * u64::from(width))).clamp(1, u64::from(height)) as u32;
+/// Bands of rows whose largest buffer, of `bytes` a pixel, fits into a storage range of `limit` bytes.
+fn bands((width, height): (u32, u32), bytes: u64, limit: u64) -> Vec<Band> {
+    let rows = (limit / (bytes * u64::from(width))).clamp(1, u64::from(height)) as u32;
     (0..height).step_by(rows as usize).map(|first| Band { first, count: rows.min(height - first) }).collect()
 }
 
@@ -483,13 +480,18 @@ mod tests {
 
     #[test]
     fn bands_cover_every_row_once_and_fit() {
-        for (size, limit) in [((480, 360), 1 << 27), ((1920, 1080), 1 << 27), ((16384, 16384), 1 << 27), ((7, 5), 1)] {
-            let bands = bands(size, limit);
-            assert_eq!(bands.iter().map(|b| b.count).sum::<u32>(), size.1);
-            assert!(bands.windows(2).all(|pair| pair[0].first + pair[0].count == pair[1].first));
-            let largest = bands.iter().map(|b| u64::from(b.count) * u64::from(size.0) * LARGEST_BYTES_PER_PIXEL).max();
-            assert!(largest <= Some(limit) || bands.iter().all(|b| b.count == 1));
+        for bytes in [false, true].map(film::largest_bytes_per_pixel) {
+            for (size, limit) in
+                [((480, 360), 1 << 27), ((1920, 1080), 1 << 27), ((16384, 16384), 1 << 27), ((7, 5), 1)]
+            {
+                let bands = bands(size, bytes, limit);
+                assert_eq!(bands.iter().map(|b| b.count).sum::<u32>(), size.1);
+                assert!(bands.windows(2).all(|pair| pair[0].first + pair[0].count == pair[1].first));
+                let largest = bands.iter().map(|b| u64::from(b.count) * u64::from(size.0) * bytes).max();
+                assert!(largest <= Some(limit) || bands.iter().all(|b| b.count == 1));
+            }
         }
-        assert_eq!(bands((1920, 1080), 1 << 27).len(), 1, "full HD fits the portable storage range in one band");
+        let portable = bands((1920, 1080), film::largest_bytes_per_pixel(false), 1 << 27);
+        assert_eq!(portable.len(), 1, "full HD fits the portable storage range in one band");
     }
 }

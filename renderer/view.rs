@@ -2,7 +2,10 @@
 
 use glam::Vec3;
 
-use crate::scene::{Camera, FilmSettings};
+use crate::scene::{Camera, FilmSettings, Scene};
+
+/// Stretches in media that scatter that are kept of each camera path.
+pub const SEGMENTS: u32 = 4;
 
 crate::gpu_struct! {
     /// The camera and the band of rows that is being rendered; see `kernels/shared/view.glsl`.
@@ -20,7 +23,11 @@ crate::gpu_struct! {
         pub pixel_angle: f32,
         pub lights: u32,
         pub background: [f32; 3],
+        pub reach: f32,
+        pub segments: u32,
+        pub volume_samples: u32,
         pub padding0: u32,
+        pub padding1: u32,
     }
 }
 
@@ -55,7 +62,18 @@ impl View {
             pixel_angle: 2.0 * half_height / height as f32,
             lights: 0,
             background: film.background.to_array(),
+            reach: 0.0,
+            segments: 0,
+            volume_samples: film.volume_samples,
             padding0: 0,
+            padding1: 0,
         }
+    }
+
+    /// The same on `scene`: its lights, how far rays are followed through its media, and whether stretches of paths in
+    /// them are kept.
+    pub fn of(self, scene: &Scene) -> View {
+        let segments = if scene.scatters() { SEGMENTS } else { 0 };
+        View { lights: scene.lights.len() as u32, reach: scene.reach(), segments, ..self }
     }
 }

@@ -87,7 +87,8 @@ fn each_wrong_value_has_its_sentence() {
         (
             "width = 64",
             "widht = 64",
-            "bad.toml:2: unknown key `widht` in [film]; allowed: width, height, samples, exposure, tone_curve, background",
+            "bad.toml:2: unknown key `widht` in [film]; allowed: width, height, samples, exposure, tone_curve, background, \
+             volume_samples",
         ),
         (
             "[film]",

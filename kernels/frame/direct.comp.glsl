@@ -1,6 +1,7 @@
 // Light that comes straight to the visible points: L D. Specular surfaces block it; what comes through them is caustic
 // light and the technique's.
 #include "shared/index.glsl"
+#include "shared/media.glsl"
 #include "shared/optics.glsl"
 #include "shared/view.glsl"
 #include "shared/visible.glsl"
@@ -27,7 +28,8 @@ void main() {
         if (lights[index].medium != point.medium || cosine <= 0.0 || dot(light.to_light, geometric) <= 0.0) continue;
         if (mean(light.irradiance) <= 0.0) continue;
         if (!trace_occluded(Ray(point.position, 0.0, light.to_light, light.distance), MASK_ALL)) {
-            irradiance += light.irradiance * cosine * transmittance(point.medium, light.distance);
+            irradiance += light.irradiance * cosine *
+                          transmittance(point.medium, point.position, light.to_light, light.distance);
         }
     }
     vec3 radiance = shade.throughput * shade.albedo / PI * irradiance;

@@ -8,13 +8,15 @@ struct DisplayPush {
     float samples;  // that the film's direct light is the sum of
     float gain;
     float white;    // luminance that Reinhard's curve sends to 1
+    uint volume;    // 1: the film has light that media scatter
     uint padding0;
     uint padding1;
-    uint padding2;
 };
 layout(set = 2, binding = 0, std430) writeonly buffer DisplayPixels { uint display_pixels[]; };
 layout(set = 2, binding = 6, std430) readonly buffer FilmDirect { vec4 film_direct[]; };
 layout(set = 2, binding = 10, std430) readonly buffer FilmCaustic { vec4 film_caustic[]; };
+layout(set = 2, binding = 18, std430) readonly buffer FilmVolume { vec4 film_volume[]; };
+layout(set = 2, binding = 19, std430) readonly buffer FilmCausticVolume { vec4 film_caustic_volume[]; };
 layout(push_constant) uniform DisplayPushes { DisplayPush push; };
 
 const uint CURVE_REINHARD = 1u;
@@ -30,6 +32,7 @@ void main() {
     for (uint layer = 0u; layer < 2u; layer++) {
         uint slot = layer * push.pixels + pixel;
         color += film_direct[slot].rgb / push.samples + film_caustic[slot].rgb;
+        if (push.volume != 0u) color += film_volume[slot].rgb / push.samples + film_caustic_volume[slot].rgb;
     }
     color *= push.gain;
     float luminance = dot(color, vec3(0.2126, 0.7152, 0.0722));

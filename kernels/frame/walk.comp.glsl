@@ -2,6 +2,7 @@
 // interface is split into its two branches, a layer each; later ones choose by chance, so that deep paths stay unbiased
 // without a tree.
 #include "shared/index.glsl"
+#include "shared/media.glsl"
 #include "shared/meets.glsl"
 #include "shared/optics.glsl"
 #include "shared/random.glsl"
@@ -9,6 +10,7 @@
 #include "shared/visible.glsl"
 #include "shared/film.glsl"
 #include "shared/round.glsl"
+#include "shared/segments.glsl"
 #include "trace/interface.glsl"
 
 layout(set = 2, binding = 1, std430) readonly buffer PrimaryIds { uvec2 primary_ids[]; };
@@ -31,7 +33,7 @@ vec3 highlights(Surface s, vec3 direction, uint medium) {
         if (mean(lobe) <= 0.0) continue;
         vec3 origin = leave(s, light.to_light);
         if (!trace_occluded(Ray(origin, 0.0, light.to_light, light.distance), MASK_ALL)) {
-            sum += lobe * light.irradiance * transmittance(medium, light.distance);
+            sum += lobe * light.irradiance * transmittance(medium, origin, light.to_light, light.distance);
         }
     }
     return sum;
@@ -62,6 +64,7 @@ void main() {
     float distance = 0.0;
     bool split = false; // whether the path went through the interface that has two layers
     uint events = 0u;
+    uint stretches = 0u;
     VisiblePoint point = VisiblePoint(vec3(0.0), NO_INSTANCE, 0u, 0u, 0.0, 0u);
     VisibleShade shade = VisibleShade(vec3(0.0), 0.0, vec3(0.0), 0u);
 
@@ -73,14 +76,26 @@ void main() {
             barycentrics = hit.barycentrics;
         }
         known = false;
+        Surface s;
+        float segment = view.reach;
+        if (instance != NO_INSTANCE) {
+            s = surface_at(instance, primitive, barycentrics);
+            segment = length(s.position - origin);
+        }
+        if (view.segments > 0u && scatters(medium) && mean(throughput) > 0.0 && all_finite(throughput)) {
+            if (stretches < view.segments) {
+                vec3 end = instance == NO_INSTANCE ? origin + segment * direction : s.position;
+                view_segments[stretches * pixels * VISIBLE_LAYERS + slot] =
+                    view_segment(origin, end, throughput, medium);
+            }
+            stretches++;
+        }
+        throughput *= transmittance(medium, origin, direction, segment);
         if (instance == NO_INSTANCE) {
             collected += throughput * view.background;
             break;
         }
-        Surface s = surface_at(instance, primitive, barycentrics);
-        float segment = length(s.position - origin);
         distance += segment;
-        throughput *= transmittance(medium, segment);
         uint kind = materials[s.material].kind;
         if (kind == MATERIAL_DIFFUSE) {
             bool front = dot(direction, s.geometric) < 0.0;
@@ -104,7 +119,10 @@ void main() {
                 split = true;
                 reflects = reflected_layer;
                 // What was met before is in the other layer already.
-                if (reflected_layer) collected = vec3(0.0);
+                if (reflected_layer) {
+                    collected = vec3(0.0);
+                    stretches = 0u;
+                }
                 throughput *= reflects ? i.reflectance : 1.0 - i.reflectance;
             } else {
                 reflects = sample_1d(at.index, combine(seed, events)) < i.reflectance;
@@ -144,6 +162,11 @@ void main() {
     if (reflected_layer && !split) {
         collected = vec3(0.0);
         point.instance = NO_INSTANCE;
+        stretches = 0u;
+    }
+    if (stretches > view.segments) atomicAdd(counters.stretches, 1u);
+    for (uint k = stretches; k < view.segments; k++) {
+        view_segments[k * pixels * VISIBLE_LAYERS + slot] = empty_segment();
     }
     if (!all_finite(collected) || !all_finite(shade.throughput) || !all_finite(point.position)) {
         atomicAdd(counters.non_finite, 1u);

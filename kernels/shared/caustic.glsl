@@ -2,6 +2,7 @@
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 2, binding = 3, std430) readonly buffer VisibleShades { VisibleShade visible_shades[]; };
 layout(set = 2, binding = 12, std430) readonly buffer SampleIrradiance { vec4 sample_irradiance[]; };
+layout(set = 2, binding = 20, std430) readonly buffer SampleVolume { vec4 sample_volume[]; };
 
 struct CausticSample {
     vec3 irradiance; // W/m2, at the visible point
@@ -20,4 +21,14 @@ CausticSample caustic_sample(uint slot) {
         return dark;
     }
     return CausticSample(irradiance, radiance);
+}
+
+// Caustic light that media scatter into this sample's path, W/(m2 sr) at the camera. Dark where nothing scatters, or where
+// the technique's value is not finite, which is counted.
+vec3 caustic_volume(uint slot) {
+    if (view.segments == 0u) return vec3(0.0);
+    vec3 radiance = sample_volume[slot].rgb;
+    if (all_finite(radiance)) return radiance;
+    atomicAdd(counters.non_finite, 1u);
+    return vec3(0.0);
 }

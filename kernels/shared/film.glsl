@@ -8,6 +8,6 @@ struct FrameCounters {
     uint non_finite;
     uint too_long;   // camera paths with more specular events than are followed
     uint wrong_side; // camera paths that shading normals bent across the surface
-    uint padding0;
+    uint stretches;  // camera paths with more stretches in media that scatter than are kept
 };
 layout(set = 2, binding = 9, std430) buffer Counters { FrameCounters counters; };

@@ -114,10 +114,6 @@ vec3 rough_lobe_cosine(Surface s, vec3 direction, vec3 to_light) {
     return material.color * density * masking / (4.0 * cos_view);
 }
 
-vec3 transmittance(uint medium, float distance) {
-    return exp(-(media[medium].absorption + media[medium].scattering) * distance);
-}
-
 // What a light sends to a point: unit direction to it, distance (huge for directional lights), and irradiance on the
 // plane perpendicular to that direction, W/m2, without media.
 struct LightSample {

@@ -33,6 +33,20 @@ struct Medium {
     float index;     // refractive index
     vec3 scattering; // 1/m
     float asymmetry; // Henyey-Greenstein g
+    uint grid;       // NO_GRID or an index into density_grids
+    uint padding0;
+    uint padding1;
+    uint padding2;
+};
+
+// Density, by which a medium's coefficients are multiplied, at points on the corners of cells; x counts up first.
+struct DensityGrid {
+    vec3 lower;           // m, where the first point is
+    uint first_voxel;     // into voxels
+    vec3 cells_per_metre; // along each axis
+    uint padding0;
+    uvec3 points;         // along each axis, at least 2
+    uint padding1;
 };
 
 const uint LIGHT_POINT = 0;
@@ -61,6 +75,7 @@ struct Texture {
     uint padding0;
 };
 
+const uint NO_GRID = 0xffffffffu;
 const uint NO_TEXTURE = 0xffffffffu;
 const uint NO_INSTANCE = 0xffffffffu;
 const uint MASK_SPECULAR = 1u;

@@ -14,7 +14,11 @@ struct View {
     float pixel_angle; // radians a pixel subtends in the picture's middle
     uint lights;
     vec3 background; // W/(m2 sr)
+    float reach;     // m that rays which meet nothing are followed through a medium
+    uint segments;   // stretches in media that scatter that are kept of each path; 0 where nothing scatters
+    uint volume_samples; // points on each stretch that light is found at
     uint padding0;
+    uint padding1;
 };
 
 layout(set = 2, binding = 0, std430) readonly buffer Views { View view; };

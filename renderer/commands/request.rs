@@ -34,6 +34,7 @@ impl Request {
         // get in future; where the file lies, what was mended and how many frames there are is no part of a picture.
         let (path, warnings) = (take(&mut scene.path), take(&mut scene.warnings));
         let (meshes, textures, film) = (take(&mut scene.meshes), take(&mut scene.textures), scene.film.clone());
+        let densities = take(&mut scene.densities);
         (scene.film.width, scene.film.height) = settings.size.unwrap_or((film.width, film.height));
         scene.film.samples = settings.samples.unwrap_or(film.samples);
         let animation = scene.animation.clone();
@@ -52,8 +53,13 @@ impl Request {
             hash.text(format_args!("{} {}", texture.width, texture.height));
             hash.part(bytemuck::cast_slice(&texture.texels));
         }
+        for grid in &densities {
+            hash.text(format_args!("{:?} {:?}", grid.bounds, grid.points));
+            hash.part(bytemuck::cast_slice(&grid.values));
+        }
         (scene.path, scene.warnings, scene.meshes, scene.textures, scene.film) =
             (path, warnings, meshes, textures, film);
+        scene.densities = densities;
         scene.animation = animation;
 
         let first = scene.cameras.first().map(|camera| camera.name.clone());

@@ -73,6 +73,10 @@ impl Renderer {
                     counters.wrong_side,
                     "camera paths were bent across a surface by its shading normals and were given up",
                 ),
+                (
+                    counters.stretches,
+                    "camera paths had more than 4 stretches in media that scatter; light is missing from the rest",
+                ),
             ] {
                 if count > 0 {
                     warnings.push(format!("{count} {what}"));

@@ -13,6 +13,9 @@ use super::{Animation, FilmSettings, Medium, MediumId, Scene, ToneCurve, camera,
 /// Pixels a side: one layer of four floats a pixel fills 4 GiB then.
 const LARGEST_FILM: u32 = 16_384;
 const MOST_SAMPLES: u32 = 1 << 20;
+/// Points on a stretch of a path in a medium that scatters.
+const VOLUME_SAMPLES: u32 = 4;
+const MOST_VOLUME_SAMPLES: u32 = 1024;
 const MOST_FRAMES: u32 = 1_000_000;
 
 const INDEX: Limit = Limit { holds: |n| (1.0..=10.0).contains(&n), words: "from 1 to 10" };
@@ -92,8 +95,14 @@ fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneErr
 }
 
 fn empty_scene(path: &Path) -> Scene {
-    let air =
-        Medium { name: "air".to_owned(), index: 1.0, absorption: Vec3::ZERO, scattering: Vec3::ZERO, asymmetry: 0.0 };
+    let air = Medium {
+        name: "air".to_owned(),
+        index: 1.0,
+        absorption: Vec3::ZERO,
+        scattering: Vec3::ZERO,
+        asymmetry: 0.0,
+        density: None,
+    };
     let film = FilmSettings {
         width: 640,
         height: 480,
@@ -101,6 +110,7 @@ fn empty_scene(path: &Path) -> Scene {
         exposure: 0.0,
         tone_curve: ToneCurve::Linear,
         background: Vec3::ZERO,
+        volume_samples: VOLUME_SAMPLES,
     };
     Scene {
         path: path.to_owned(),
@@ -110,6 +120,7 @@ fn empty_scene(path: &Path) -> Scene {
         instances: Vec::new(),
         materials: Vec::new(),
         textures: Vec::new(),
+        densities: Vec::new(),
         media: vec![air],
         lights: Vec::new(),
         animation: Default::default(),
@@ -179,7 +190,8 @@ pub(super) fn read_medium_id(table: &Table, key: &str, media: &[Medium]) -> Resu
 }
 
 fn read_film(node: &Node) -> Result<FilmSettings, SceneError> {
-    let table = node.table("[film]", &["width", "height", "samples", "exposure", "tone_curve", "background"])?;
+    let table = node
+        .table("[film]", &["width", "height", "samples", "exposure", "tone_curve", "background", "volume_samples"])?;
     let curves = [("linear", ToneCurve::Linear), ("reinhard", ToneCurve::Reinhard)];
     Ok(FilmSettings {
         width: table.or("width", 640, |node| node.whole(1, LARGEST_FILM))?,
@@ -188,6 +200,7 @@ fn read_film(node: &Node) -> Result<FilmSettings, SceneError> {
         exposure: table.or("exposure", 0.0, |node| node.number(EXPOSURE))? as f32,
         tone_curve: table.or("tone_curve", ToneCurve::Linear, |node| node.choice(&curves))?,
         background: table.or("background", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
+        volume_samples: table.or("volume_samples", VOLUME_SAMPLES, |node| node.whole(1, MOST_VOLUME_SAMPLES))?,
     })
 }
 
@@ -199,6 +212,7 @@ fn read_medium(node: &Node, media: &[Medium]) -> Result<Medium, SceneError> {
         absorption: table.or("absorption", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
         scattering: table.or("scattering", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
         asymmetry: table.or("asymmetry", 0.0, |node| node.number(ASYMMETRY))? as f32,
+        density: None,
     })
 }
 

@@ -41,6 +41,8 @@ pub type MaterialId = usize;
 pub type MediumId = usize;
 /// Index into [`Scene::textures`].
 pub type TextureId = usize;
+/// Index into [`Scene::densities`].
+pub type DensityId = usize;
 
 /// A scene, complete and valid: every id is in range and every number finite.
 #[derive(Debug, Clone)]
@@ -55,6 +57,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
     pub media: Vec<Medium>,
+    pub densities: Vec<DensityGrid>,
     pub lights: Vec<Light>,
     pub animation: Animation,
     /// What was mended while loading (degenerate triangles dropped, say), a sentence each.
@@ -74,6 +77,8 @@ pub struct FilmSettings {
     pub tone_curve: ToneCurve,
     /// Radiance of rays that leave the scene, W/(m2 sr). It is seen; it does not light anything.
     pub background: Vec3,
+    /// Points on each stretch of a camera path in a medium that scatters at which light is found.
+    pub volume_samples: u32,
 }
 
 /// How linear radiance becomes a display value in the PNG; EXR files stay linear.
@@ -144,7 +149,7 @@ impl Surface {
     }
 }
 
-/// A homogeneous medium.
+/// A medium; homogeneous where it has no density grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
     pub name: String,
@@ -156,6 +161,20 @@ pub struct Medium {
     pub scattering: Vec3,
     /// Henyey-Greenstein g in (-1, 1): mean cosine between the directions before and after.
     pub asymmetry: f32,
+    /// What multiplies absorption and scattering; 1 everywhere if `None`.
+    pub density: Option<DensityId>,
+}
+
+/// Density at points on a box's corners, edges and inside, evenly spread along each axis; trilinear between them and zero
+/// outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DensityGrid {
+    /// World space, metres.
+    pub bounds: Bounds,
+    /// Along each axis, at least 2.
+    pub points: [u32; 3],
+    /// At least 0; x counts up first, then y.
+    pub values: Vec<f32>,
 }
 
 impl Medium {
@@ -243,6 +262,32 @@ impl Scene {
             }
         }
         bounds
+    }
+
+    /// Whether any medium scatters.
+    pub fn scatters(&self) -> bool {
+        self.media.iter().any(|medium| medium.scattering.max_element() > 0.0)
+    }
+
+    /// Metres that rays which meet nothing are followed through a medium: camera paths, photons and beams alike. Twice the
+    /// diagonal of the box of all instances, densities, cameras and lights.
+    pub fn reach(&self) -> f32 {
+        let mut bounds = self.bounds();
+        for camera in &self.cameras {
+            bounds.include(camera.position);
+        }
+        for light in &self.lights {
+            if let Emitter::Point { position, .. } | Emitter::Spot { position, .. } = light.emitter {
+                bounds.include(position);
+            }
+        }
+        for grid in &self.densities {
+            bounds.include(grid.bounds.min);
+            bounds.include(grid.bounds.max);
+        }
+        // A scene without a single point has an infinite box.
+        let diagonal = bounds.diagonal();
+        if diagonal.is_finite() { 2.0 * diagonal } else { 0.0 }
     }
 
     /// Whether an instance is an interface between two media.

@@ -119,6 +119,13 @@ fn diffuse(entry: &Entry, scene: &mut Scene) -> Result<Surface, String> {
 
 fn add_medium(name: &str, index: f32, scene: &mut Scene) -> MediumId {
     let name = name.to_owned();
-    scene.media.push(Medium { name, index, absorption: Vec3::ZERO, scattering: Vec3::ZERO, asymmetry: 0.0 });
+    scene.media.push(Medium {
+        name,
+        index,
+        absorption: Vec3::ZERO,
+        scattering: Vec3::ZERO,
+        asymmetry: 0.0,
+        density: None,
+    });
     scene.media.len() - 1
 }

@@ -28,6 +28,7 @@ pub fn pool(waves: Mesh, depth: f32, size: f32, lights: Vec<Light>) -> Scene {
         absorption: Vec3::ZERO,
         scattering: Vec3::ZERO,
         asymmetry: 0.0,
+        density: None,
     };
     let material = |name: &str, surface| Material { name: name.to_string(), surface };
     let floor = nephroid::scene::shapes::plane(
@@ -47,6 +48,7 @@ pub fn pool(waves: Mesh, depth: f32, size: f32, lights: Vec<Light>) -> Scene {
             exposure: 0.0,
             tone_curve: ToneCurve::Linear,
             background: Vec3::ZERO,
+            volume_samples: 1,
         },
         cameras: vec![Camera {
             name: "any".to_string(),
@@ -63,6 +65,7 @@ pub fn pool(waves: Mesh, depth: f32, size: f32, lights: Vec<Light>) -> Scene {
             material("water", Surface::Dielectric { front: AIR, back: WATER }),
         ],
         textures: Vec::new(),
+        densities: Vec::new(),
         media: vec![medium("air", 1.0), medium("water", WATER_INDEX as f32)],
         lights,
         animation: Default::default(),

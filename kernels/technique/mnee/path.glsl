@@ -1,4 +1,5 @@
 // The light that a refracted path carries.
+#include "shared/media.glsl"
 #include "shared/optics.glsl"
 #include "shared/visible.glsl"
 #include "technique/mnee/objective.glsl"
@@ -174,7 +175,8 @@ Path path_at(Query query, VisiblePoint point, Light light, uint triangle, vec2 p
         area = area_near_fold(bundle, area, signed_area(there), turn, width);
     }
     vec3 power = light_power_along(light, -path.to_light);
-    vec3 medium = transmittance(point.medium, path.point_distance) * transmittance(light.medium, path.light_distance);
+    vec3 medium = transmittance(point.medium, query.point, -to_point, path.point_distance) *
+                  transmittance(light.medium, query.point + path.at, path.to_light, path.light_distance);
     path.irradiance = power * medium * ((1.0 - fresnel(cos_in, from_light.eta)) * cos_point / abs(area));
     if (!all_finite(path.irradiance)) path.rejected = COUNT_NON_FINITE;
     return path;

@@ -1,6 +1,7 @@
 // Sends photons from the lights through the cells that specular objects fill, and follows each through S+ to the first
 // diffuse surface. Photon slots are fixed, so that nothing depends on the order of threads.
 #include "technique/reference/common.glsl"
+#include "shared/media.glsl"
 #include "shared/optics.glsl"
 #include "shared/random.glsl"
 #include "shared/emission.glsl"
@@ -75,7 +76,7 @@ void main() {
             return;
         }
         Surface s = surface_at(hit.instance, hit.primitive, hit.barycentrics);
-        vec3 left = flux * transmittance(medium, length(s.position - origin));
+        vec3 left = flux * transmittance(medium, origin, direction, length(s.position - origin));
         uint kind = materials[s.material].kind;
         if (first && second_branch && kind != MATERIAL_DIELECTRIC) return;
         if (!(first && second_branch)) book(ABSORBED, flux - left);

@@ -1,0 +1,156 @@
+// Media that absorb and scatter. A medium with a density grid has its coefficients times the density, trilinear between
+// the grid's points and zero outside of its box.
+#include "shared/math.glsl"
+#include "shared/scene.glsl"
+
+layout(set = 0, binding = 8, std430) readonly buffer DensityGrids { DensityGrid density_grids[]; };
+layout(set = 0, binding = 9, std430) readonly buffer Voxels { float voxels[]; };
+
+bool scatters(uint medium) {
+    return any(greaterThan(media[medium].scattering, vec3(0.0)));
+}
+
+// 1/m, where density is 1.
+vec3 extinction(uint medium) {
+    return media[medium].absorption + media[medium].scattering;
+}
+
+// `at` counts cells from the grid's lower corner.
+float density_in(DensityGrid grid, vec3 at) {
+    vec3 inside = clamp(at, vec3(0.0), vec3(grid.points - 1u));
+    uvec3 cell = min(uvec3(inside), grid.points - 2u);
+    vec3 part = inside - vec3(cell);
+    uint row = grid.points.x;
+    uint slice = row * grid.points.y;
+    uint first = grid.first_voxel + cell.z * slice + cell.y * row + cell.x;
+    vec4 low = vec4(voxels[first], voxels[first + 1u], voxels[first + row], voxels[first + row + 1u]);
+    first += slice;
+    vec4 high = vec4(voxels[first], voxels[first + 1u], voxels[first + row], voxels[first + row + 1u]);
+    vec4 face = mix(low, high, part.z);
+    vec2 edge = mix(face.xy, face.zw, part.y);
+    return mix(edge.x, edge.y, part.x);
+}
+
+float density_at(uint medium, vec3 position) {
+    uint index = media[medium].grid;
+    if (index == NO_GRID) return 1.0;
+    DensityGrid grid = density_grids[index];
+    vec3 at = (position - grid.lower) * grid.cells_per_metre;
+    bool inside = all(greaterThanEqual(at, vec3(0.0))) && all(lessThanEqual(at, vec3(grid.points - 1u)));
+    return inside ? density_in(grid, at) : 0.0;
+}
+
+// Of the ray's part within `length`, metres from `from` at which it enters and leaves the box of the medium's density;
+// (0, length) for a medium without a grid. Where it misses the box, the first is not below the second.
+vec2 dense_part(uint medium, vec3 from, vec3 direction, float length) {
+    uint index = media[medium].grid;
+    if (index == NO_GRID) return vec2(0.0, length);
+    DensityGrid grid = density_grids[index];
+    vec3 upper = grid.lower + vec3(grid.points - 1u) / grid.cells_per_metre;
+    vec2 part = vec2(0.0, length);
+    for (uint axis = 0u; axis < 3u; axis++) {
+        float way = direction[axis];
+        if (abs(way) < 1e-20) {
+            if (from[axis] < grid.lower[axis] || from[axis] > upper[axis]) return vec2(0.0);
+            continue;
+        }
+        float first = (grid.lower[axis] - from[axis]) / way;
+        float second = (upper[axis] - from[axis]) / way;
+        part = vec2(max(part.x, min(first, second)), min(part.y, max(first, second)));
+    }
+    return part;
+}
+
+// Where a walk along a ray through a medium stops.
+struct March {
+    float at;      // m from the ray's origin
+    float depth;   // density integrated up to there, exact but for rounding: metres of density 1
+    float even;    // the same, were density even in the cell of the grid where the walk stops
+    float mean;    // density of that cell, in the mean over the ray's part in it
+    float density; // there
+};
+
+const float ENDLESS = 1e30;
+
+// Walks `stop` metres along a ray of `length` metres, or until `even` is `target`. The ray is cut at the grid's planes;
+// within a cell density is a cubic along it, which Simpson's rule integrates exactly.
+March march(uint medium, vec3 from, vec3 direction, float length, float stop, float target) {
+    uint index = media[medium].grid;
+    if (index == NO_GRID) {
+        float at = min(stop, target);
+        return March(at, at, at, 1.0, 1.0);
+    }
+    March nowhere = March(length, 0.0, 0.0, 0.0, 0.0);
+    vec2 part = dense_part(medium, from, direction, length);
+    if (!(part.x < part.y) || stop < part.x) return nowhere;
+    DensityGrid grid = density_grids[index];
+    // From the entry on: a far origin's grid coordinates would cancel.
+    vec3 origin = (from + part.x * direction - grid.lower) * grid.cells_per_metre;
+    vec3 way = direction * grid.cells_per_metre;
+    float end = part.y - part.x;
+    stop = min(stop - part.x, end);
+    // The next plane across each axis, m, and from plane to plane.
+    vec3 next = vec3(end);
+    vec3 step = vec3(0.0);
+    for (uint axis = 0u; axis < 3u; axis++) {
+        if (abs(way[axis]) < 1e-20) continue;
+        float plane = way[axis] > 0.0 ? floor(origin[axis]) + 1.0 : ceil(origin[axis]) - 1.0;
+        next[axis] = (plane - origin[axis]) / way[axis];
+        step[axis] = 1.0 / abs(way[axis]);
+    }
+    float at = 0.0;
+    float before = density_in(grid, origin);
+    float depth = 0.0;
+    // A ray crosses each plane once; two more for those that it starts on and ends on.
+    uint most = grid.points.x + grid.points.y + grid.points.z + 2u;
+    for (uint cell = 0u; cell < most && at < end; cell++) {
+        float until = cell + 1u < most ? max(min(min(next.x, min(next.y, next.z)), end), at) : end;
+        float middle = density_in(grid, origin + 0.5 * (at + until) * way);
+        float after = density_in(grid, origin + until * way);
+        float mean = (before + 4.0 * middle + after) / 6.0;
+        float gained = (until - at) * mean;
+        if (until >= stop || depth + gained >= target) {
+            float left = mean > 0.0 ? (target - depth) / mean : ENDLESS;
+            float far = clamp(min(stop - at, left), 0.0, until - at);
+            float there = density_in(grid, origin + (at + far) * way);
+            float half_way = density_in(grid, origin + (at + 0.5 * far) * way);
+            float exact = depth + far * (before + 4.0 * half_way + there) / 6.0;
+            return March(part.x + at + far, exact, depth + far * mean, mean, there);
+        }
+        depth += gained;
+        before = after;
+        at = until;
+        for (uint axis = 0u; axis < 3u; axis++) {
+            // An axis that the ray does not go along has its plane at the end.
+            if (next[axis] <= until) next[axis] = step[axis] > 0.0 ? next[axis] + step[axis] : end;
+        }
+    }
+    return March(length, depth, depth, 0.0, 0.0);
+}
+
+// Density along a ray, integrated over `length` metres: metres of density 1.
+float density_along(uint medium, vec3 from, vec3 direction, float length) {
+    return march(medium, from, direction, length, length, ENDLESS).depth;
+}
+
+// What `length` metres from `from` along the unit vector `direction` leave of light.
+vec3 transmittance(uint medium, vec3 from, vec3 direction, float length) {
+    vec3 lost = extinction(medium);
+    // Also keeps 0 times a length without bound at 0.
+    if (all(lessThanEqual(lost, vec3(0.0)))) return vec3(1.0);
+    return exp(-lost * density_along(medium, from, direction, length));
+}
+
+// 1/m.
+vec3 scattering_at(uint medium, vec3 position) {
+    return media[medium].scattering * density_at(medium, position);
+}
+
+// Henyey and Greenstein's phase function, 1/sr; `cosine` is that between the light's direction before and after.
+float phase(uint medium, float cosine) {
+    float g = media[medium].asymmetry;
+    // As (1 - g)^2 + 2 g (1 - cosine): 1 + g^2 - 2 g cosine cancels where g and the cosine are near 1.
+    float spread = g >= 0.0 ? (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine)
+                            : (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine);
+    return (1.0 - g * g) / (4.0 * PI * spread * sqrt(spread));
+}
