@@ -274,6 +274,8 @@ const TABLES: &[(&str, &str)] = &[
     ("[film]", "## `[film]`"),
     ("[[camera]]", "## `[[camera]]`"),
     ("[[medium]]", "## `[[medium]]`"),
+    ("[[medium]]\nname = \"m\"\nindex = 1\n[medium.density]\nfile = \"f\"", "### `density` of a `file`"),
+    ("[[medium]]\nname = \"m\"\nindex = 1\n[medium.density]\nkind = \"noise\"", "### `density` by `noise`"),
     ("[[material]]\nkind = \"diffuse\"", "### `diffuse`"),
     ("[[material]]\nkind = \"dielectric\"", "### `dielectric`"),
     ("[[material]]\nkind = \"mirror\"", "### `mirror`"),

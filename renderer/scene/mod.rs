@@ -6,6 +6,7 @@
 pub mod adjacency;
 pub mod animation;
 mod camera;
+mod density;
 pub mod error;
 mod file;
 pub mod height_field;
@@ -15,6 +16,7 @@ mod material;
 pub mod mend;
 mod motion;
 mod mtl;
+mod noise;
 mod obj;
 mod obj_check;
 mod object;
