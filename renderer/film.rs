@@ -106,6 +106,11 @@ impl Film {
         Ok(())
     }
 
+    /// Pixels across and rows of the band.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.rows)
+    }
+
     /// Pixels of the band.
     pub fn pixels(&self) -> u32 {
         self.width * self.rows

@@ -30,6 +30,7 @@ pub fn layouts() -> Vec<Layout> {
     all.extend(animate::layouts());
     all.extend(technique::reference::LAYOUTS);
     all.extend(technique::mnee::layouts());
+    all.extend(technique::beams::layouts());
     all.extend(trace::LAYOUTS);
     all
 }

@@ -61,7 +61,7 @@ crate::gpu_struct! {
 
 crate::gpu_struct! {
     /// Push constants of light/visibility and light/resolve.
-    pub struct LightPush {
+    pub struct LightViewPush {
         pub view: u32,
         pub instance: u32,
         pub rastered: u32,
@@ -69,7 +69,7 @@ crate::gpu_struct! {
     }
 }
 
-pub const LAYOUTS: &[Layout] = &[LightView::LAYOUT, LightTexel::LAYOUT, LightPush::LAYOUT];
+pub const LAYOUTS: &[Layout] = &[LightView::LAYOUT, LightTexel::LAYOUT, LightViewPush::LAYOUT];
 
 /// What is specular, and what is not.
 pub const LAYERS: usize = 2;
@@ -184,7 +184,7 @@ impl LightViews {
         let all = [bindings, &self.bindings];
         for index in 0..self.views.len() as u32 {
             let push =
-                |instance| LightPush { view: index, instance, rastered: u32::from(self.raster.is_some()), padding0: 0 };
+                |instance| LightViewPush { view: index, instance, rastered: u32::from(self.raster.is_some()), padding0: 0 };
             if let Some(RasterTier { raster, targets, ids }) = &self.raster {
                 for (layer, draws) in (0u64..).zip(&self.draws) {
                     let items: Vec<_> = draws.iter().map(|&(instance, vertices)| (push(instance), vertices)).collect();

@@ -8,7 +8,7 @@
 layout(set = 3, binding = 0, std430) readonly buffer LightViews { LightView light_views[]; };
 layout(set = 3, binding = 1, std430) writeonly buffer LightTexels { LightTexel light_texels[]; };
 layout(set = 3, binding = 2, std430) readonly buffer LightIds { uvec2 light_ids[]; };
-layout(push_constant) uniform LightPush {
+layout(push_constant) uniform LightViewPush {
     uint view;
     uint instance; // of light/visibility alone
     uint rastered; // 1: LightIds names triangles

@@ -2,7 +2,7 @@
 #include "shared/light_view.glsl"
 
 layout(set = 3, binding = 0, std430) readonly buffer LightViews { LightView light_views[]; };
-layout(push_constant) uniform LightPush {
+layout(push_constant) uniform LightViewPush {
     uint view;
     uint instance;
     uint rastered;

@@ -23,10 +23,13 @@ pub enum TechniqueKind {
     Reference,
     /// Manifold next-event estimation along the coplanarity curve: light refracted once, without noise.
     Mnee,
+    /// Adaptive beam tracing: light between neighbouring rays, in volumes and on surfaces.
+    Beams,
 }
 
 impl TechniqueKind {
-    pub const ALL: &'static [TechniqueKind] = &[TechniqueKind::None, TechniqueKind::Reference, TechniqueKind::Mnee];
+    pub const ALL: &'static [TechniqueKind] =
+        &[TechniqueKind::None, TechniqueKind::Reference, TechniqueKind::Mnee, TechniqueKind::Beams];
 
     /// The name of the Rust file, the kernel folder, the command-line value and the GPU label.
     pub fn name(self) -> &'static str {
@@ -34,6 +37,7 @@ impl TechniqueKind {
             TechniqueKind::None => "none",
             TechniqueKind::Reference => "reference",
             TechniqueKind::Mnee => "mnee",
+            TechniqueKind::Beams => "beams",
         }
     }
 
@@ -50,6 +54,7 @@ impl TechniqueKind {
         match self {
             TechniqueKind::None | TechniqueKind::Reference => false,
             TechniqueKind::Mnee => settings.choice("rest") == "off",
+            TechniqueKind::Beams => true,
         }
     }
 
@@ -59,6 +64,7 @@ impl TechniqueKind {
             TechniqueKind::None => &[],
             TechniqueKind::Reference => reference::SETTINGS,
             TechniqueKind::Mnee => mnee::SETTINGS,
+            TechniqueKind::Beams => beams::SETTINGS,
         }
     }
 }
@@ -141,5 +147,6 @@ pub fn create(
         TechniqueKind::None => Ok(None),
         TechniqueKind::Reference => Ok(Some(Box::new(reference::Reference::new(settings, context)?))),
         TechniqueKind::Mnee => Ok(Some(Box::new(mnee::Mnee::new(settings, context)?))),
+        TechniqueKind::Beams => Ok(Some(Box::new(beams::Beams::new(settings, context)?))),
     }
 }

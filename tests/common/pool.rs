@@ -1,13 +1,27 @@
 //! What is known of the pools in closed form.
 
-/// Irradiance on the floor of `flat_water.toml` at (x, z), W/m2: what a ring of directions carries, over the ring it
-/// falls on. Light of 100 W/sr at (1.5, 6, -1), water from y = 0 to -2, index 1.33.
-pub fn flat_water_irradiance(x: f64, z: f64) -> f64 {
-    let (intensity, height, depth, n) = (100.0, 6.0, 2.0, 1.33);
-    let r = ((x - 1.5).powi(2) + (z + 1.0).powi(2)).sqrt();
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+/// Light of the lamp where flat water has refracted it once: 100 W/sr at (1.5, 6, -1), water below y = 0, index 1.33.
+pub struct RefractedLight {
+    /// The way that it goes.
+    pub direction: DVec3,
+    /// W/m2 across that direction, before the water takes some.
+    pub fluence: f64,
+    /// Metres in the water.
+    pub in_water: f64,
+}
+
+/// What a ring of directions carries, over the ring it falls on, by Snell's law solved for the point.
+pub fn refracted_light(at: DVec3) -> RefractedLight {
+    let (intensity, height, depth, n) = (100.0, 6.0, -at.y, 1.33);
+    let across = DVec3::new(at.x - 1.5, 0.0, at.z + 1.0);
+    let r = across.length();
     let landing = |angle: f64| height * angle.tan() + depth * (angle.sin() / n).asin().tan();
     let (mut low, mut high) = (0.0, 1.5);
-    for _ in 0..100 {
+    for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if landing(middle) < r { low = middle } else { high = middle }
     }
@@ -19,21 +33,66 @@ pub fn flat_water_irradiance(x: f64, z: f64) -> f64 {
     let transmitted = 1.0 - 0.5 * (perpendicular + parallel);
     let slope = height / (c1 * c1) + depth / (c2 * c2) * c1 / (n * c2);
     let ring = if r < 1e-9 { 1.0 / slope } else { s1 / r };
-    intensity * transmitted * ring / slope
+    RefractedLight {
+        direction: across.normalize_or_zero() * (s1 / n) - DVec3::Y * c2,
+        fluence: intensity * transmitted * ring / slope / c2,
+        in_water: depth / c2,
+    }
 }
 
-/// Where the camera `under` of the pools looks through a pixel of a film of that size: x and z on the floor. Whole numbers
-/// are pixel centres.
-pub fn floor_point(column: f64, row: f64, width: f64, height: f64) -> Option<(f64, f64)> {
-    let forward = glam::DVec3::new(0.0, -1.4, -3.5).normalize();
-    let right = forward.cross(glam::DVec3::Y).normalize();
+/// Irradiance on the floor of `flat_water.toml` at (x, z), W/m2, 2 m below the surface.
+pub fn flat_water_irradiance(x: f64, z: f64) -> f64 {
+    let light = refracted_light(DVec3::new(x, -2.0, z));
+    -light.direction.y * light.fluence
+}
+
+/// The way along which camera `under` of the pools looks through a pixel of a film of that size, not normalised. Whole
+/// numbers are pixel centres.
+fn under_direction(column: f64, row: f64, width: f64, height: f64) -> DVec3 {
+    let forward = DVec3::new(0.0, -1.4, -3.5).normalize();
+    let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
     let half = 30f64.to_radians().tan();
-    let way = forward
+    forward
         + right * half * (width / height) * (2.0 * (column + 0.5) / width - 1.0)
-        + up * half * (1.0 - 2.0 * (row + 0.5) / height);
+        + up * half * (1.0 - 2.0 * (row + 0.5) / height)
+}
+
+/// Where the camera `under` of the pools looks through a pixel of a film of that size: x and z on the floor.
+pub fn floor_point(column: f64, row: f64, width: f64, height: f64) -> Option<(f64, f64)> {
+    let way = under_direction(column, row, width, height);
     let t = -1.4 / way.y;
     let (x, z) = (t * way.x, 3.5 + t * way.z);
     // Away from the walls, over whose edge the first radii reach, and near enough that a pixel is small on the floor.
     (way.y < 0.0 && x.abs() < 4.5 && z > -2.5).then_some((x, z))
+}
+
+/// Where a ray of camera `under` through a pixel, as in [`floor_point`], runs in the water before it meets floor or wall:
+/// origin, unit direction, metres. `None` where it meets the water's surface first.
+pub fn first_water_stretch(column: f64, row: f64, width: f64, height: f64) -> Option<(DVec3, DVec3, f64)> {
+    let origin = DVec3::new(0.0, -0.6, 3.5);
+    let way = under_direction(column, row, width, height).normalize();
+    let to = |plane: f64, axis: usize| (plane - origin[axis]) / way[axis];
+    let walls = to(5f64.copysign(way.x), 0).min(to(5f64.copysign(way.z), 2));
+    let vertical = to(if way.y < 0.0 { -2.0 } else { 0.0 }, 1);
+    (way.y < 0.0 || walls < vertical).then_some((origin, way, walls.min(vertical)))
+}
+
+/// Radiance towards the camera of the light that was refracted once at flat water and scattered once, along a stretch in
+/// the water of `flat_water.toml`, W/(m2 sr). `medium`: absorption and scattering, 1/m, and Henyey-Greenstein's g.
+pub fn flat_water_inscatter(origin: DVec3, direction: DVec3, length: f64, medium: (f64, f64, f64)) -> f64 {
+    let (absorption, scattering, g) = medium;
+    let extinction = absorption + scattering;
+    let integrand = |s: f64| {
+        let at = origin + s * direction;
+        let light = refracted_light(at);
+        let cosine = -light.direction.dot(direction);
+        let phase = (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cosine).powf(1.5));
+        scattering * phase * light.fluence * (-extinction * (light.in_water + s)).exp()
+    };
+    // Simpson's rule: the integrand is smooth, and 64 intervals are good to 1e-6.
+    let intervals = 64;
+    let weight = |i: usize| if i == 0 || i == intervals { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+    let sum: f64 = (0..=intervals).map(|i| weight(i) * integrand(length * i as f64 / intervals as f64)).sum();
+    sum * length / (3.0 * intervals as f64)
 }

@@ -7,9 +7,9 @@
 
 struct Photon {
     vec3 position;
-    uint normal;   // packed, on the side the photon came from
-    vec3 flux;     // W
-    uint landed;   // 1 where the slot holds a photon
+    uint normal;   // packed, on the side the photon came from; in a volume: the way that it goes
+    vec3 flux;     // W; in a volume: what of it is scattered there
+    uint landed;   // 0 where the slot holds no photon, else 1; in a volume: 1 + medium
 };
 
 // What a pixel layer has gathered so far.
@@ -20,12 +20,12 @@ struct Statistic {
     float photons;        // N of the paper: gathered, times alpha for each pass
 };
 
-// Cells are one to two to the largest radius in use: finer cells cost more look-ups, coarser ones more photons looked at
+// Of photons on surfaces, cells are one to two to the largest radius in use: finer cells cost more look-ups, coarser ones more photons looked at
 // in vain where pixels are small. A gathering sphere touches five of them along an axis, and rounding may add one.
 const uint CELLS_PER_AXIS = 6u;
 
 struct GridState {
-    uint max_radius; // the largest radius in use, as the bits of a float in m (positive floats order as their bits do)
+    uint max_radius; // what cells go by, as the bits of a float in m (positive floats order as their bits do)
 };
 
 layout(set = 3, binding = 0, std430) buffer PhotonGrid { GridState grid; };

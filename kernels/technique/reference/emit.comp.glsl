@@ -1,6 +1,8 @@
 // Sends photons from the lights through the cells that specular objects fill, and follows each through S+ to the first
-// diffuse surface. Photon slots are fixed, so that nothing depends on the order of threads.
+// diffuse surface; on the way it leaves photons in media that scatter. Photon slots are fixed, so that nothing depends on
+// the order of threads.
 #include "technique/reference/common.glsl"
+#include "technique/reference/volume.glsl"
 #include "shared/media.glsl"
 #include "shared/optics.glsl"
 #include "shared/random.glsl"
@@ -10,6 +12,7 @@
 layout(set = 3, binding = 2, std430) readonly buffer EmissionCells { EmissionCell emission_cells[]; };
 layout(set = 3, binding = 3, std430) writeonly buffer Photons { Photon photons[]; };
 layout(set = 3, binding = 4, std430) buffer Ledger { uint ledger[]; };
+layout(set = 3, binding = 10, std430) writeonly buffer VolumePhotons { Photon volume_photons[]; };
 layout(push_constant) uniform EmitPush {
     uint pass;
     uint cells;
@@ -19,6 +22,8 @@ layout(push_constant) uniform EmitPush {
     uint seed;
     float ledger_unit; // W
     uint slots;
+    uint volume_classes; // as `classes`, of photons in volumes
+    uint volume_points;  // photons that a path leaves in volumes; 0 where no medium scatters
 } push;
 
 // Of the shading normal's cosine to the geometric one's: a bound for light that grazes a face.
@@ -30,12 +35,13 @@ const uint MAX_EVENTS = 32u;
 // Entries of the ledger, two words each.
 const uint LANDED = 0u;
 const uint ABSORBED = 1u;
-const uint ESCAPED = 2u;
-const uint UNFOCUSED = 3u;  // met a diffuse surface first: direct light
-const uint GIVEN_UP = 4u;
-const uint OTHER_CLASS = 5u;
-const uint WRONG_SIDE = 6u;
-const uint NON_FINITE = 7u;
+const uint SCATTERED = 2u;
+const uint ESCAPED = 3u;
+const uint UNFOCUSED = 4u;  // met a diffuse surface first: direct light
+const uint GIVEN_UP = 5u;
+const uint OTHER_CLASS = 6u;
+const uint WRONG_SIDE = 7u;
+const uint NON_FINITE = 8u;
 
 void book(uint entry, vec3 flux) {
     uint amount = uint(clamp(mean(flux) / push.ledger_unit + 0.5, 0.0, 4.0e9));
@@ -50,17 +56,9 @@ uint path_class(uint refractions, uint reflections) {
     return 16u;
 }
 
-void main() {
-    uint slot = linear_index();
-    if (slot >= push.slots) return;
-    photons[slot] = Photon(vec3(0.0), 0u, vec3(0.0), 0u);
-    uint ray = push.split != 0u ? slot / 2u : slot;
+// What becomes of one photon; `kept` is the stretch on which it leaves photons in volumes.
+void follow(uint slot, EmissionCell cell, uint index, uint seed, inout Kept kept) {
     bool second_branch = push.split != 0u && (slot & 1u) != 0u;
-    uint cell_index = ray / push.samples;
-    EmissionCell cell = emission_cells[cell_index];
-    uint index = push.pass * push.samples + ray % push.samples;
-    uint seed = combine(push.seed, cell_index);
-
     vec3 origin, direction, flux;
     emit(cell, lights[cell.light], sample_2d(index, seed), origin, direction, flux);
     flux /= float(push.samples);
@@ -71,16 +69,31 @@ void main() {
     for (uint event = 0u; event <= MAX_EVENTS; event++) {
         Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);
         bool first = event == 0u;
-        if (hit.instance == NO_INSTANCE) {
-            if (!(first && second_branch)) book(ESCAPED, flux);
+        bool booked = !(first && second_branch); // by the other branch
+        bool escapes = hit.instance == NO_INSTANCE;
+        Surface s;
+        float way = view.reach;
+        if (!escapes) {
+            s = surface_at(hit.instance, hit.primitive, hit.barycentrics);
+            way = length(s.position - origin);
+        }
+        vec3 left = flux * transmittance(medium, origin, direction, way);
+        vec3 scattered = (flux - left) * scattered_part(medium);
+        if (booked) {
+            book(SCATTERED, scattered);
+            book(ABSORBED, flux - left - scattered);
+        }
+        if (!first && push.volume_points > 0u && (path_class(refractions, reflections) & push.volume_classes) != 0u) {
+            float chance = sample_1d(index, combine(seed, KEEP_SEED + event));
+            keep(kept, Kept(origin, way, direction, medium, flux, mean(scattered), 0.0), chance);
+        }
+        flux = left;
+        if (escapes) {
+            if (booked) book(ESCAPED, flux);
             return;
         }
-        Surface s = surface_at(hit.instance, hit.primitive, hit.barycentrics);
-        vec3 left = flux * transmittance(medium, origin, direction, length(s.position - origin));
         uint kind = materials[s.material].kind;
-        if (first && second_branch && kind != MATERIAL_DIELECTRIC) return;
-        if (!(first && second_branch)) book(ABSORBED, flux - left);
-        flux = left;
+        if (!booked && kind != MATERIAL_DIELECTRIC) return;
         if (kind == MATERIAL_DIFFUSE) {
             bool front = dot(direction, s.geometric) < 0.0;
             if (first) {
@@ -141,4 +154,20 @@ void main() {
         origin = leave(s, direction);
     }
     book(GIVEN_UP, flux);
+}
+
+void main() {
+    uint slot = linear_index();
+    if (slot >= push.slots) return;
+    photons[slot] = no_photon();
+    uint ray = push.split != 0u ? slot / 2u : slot;
+    uint cell_index = ray / push.samples;
+    uint index = push.pass * push.samples + ray % push.samples;
+    uint seed = combine(push.seed, cell_index);
+    Kept kept = nothing_kept();
+    follow(slot, emission_cells[cell_index], index, seed, kept);
+    for (uint point = 0u; point < push.volume_points; point++) {
+        float random = sample_1d(index, combine(seed, POINT_SEED + point));
+        volume_photons[slot * push.volume_points + point] = photon_on(kept, point, push.volume_points, random);
+    }
 }

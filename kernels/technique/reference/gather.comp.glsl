@@ -1,6 +1,6 @@
 // Gathers the pass's photons round each visible point and shrinks its radius (Hachisuka and Jensen 2009, Eqs. 2-5).
-// Sums are integers, so that equal photons give equal bits in whatever order they were sorted.
 #include "technique/reference/common.glsl"
+#include "technique/reference/sum.glsl"
 #include "shared/film.glsl"
 
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
@@ -20,22 +20,6 @@ layout(push_constant) uniform GatherPush {
 // A photon on a surface turned by more than 60 degrees belongs to another surface, over an edge or through a thin wall.
 const float MIN_NORMAL_COSINE = 0.5;
 
-struct Sum { // 64 bits a channel
-    uvec3 low;
-    uvec3 high;
-    uint photons;
-};
-
-void add(inout Sum sum, uvec3 amount) {
-    uvec3 carry;
-    sum.low = uaddCarry(sum.low, amount, carry);
-    sum.high += carry;
-}
-
-vec3 total(Sum sum) {
-    return (vec3(sum.high) * 4294967296.0 + vec3(sum.low)) * push.flux_unit;
-}
-
 void main() {
     uint slot = linear_index();
     if (slot >= view.width * view.rows * VISIBLE_LAYERS) return;
@@ -49,7 +33,8 @@ void main() {
     ivec3 extent = min(cell_of(point.position + radius, size) - low + 1, ivec3(CELLS_PER_AXIS));
     uint cells = uint(extent.x * extent.y * extent.z);
 
-    Sum sum = Sum(uvec3(0u), uvec3(0u), 0u);
+    Sum sum = empty_sum();
+    uint photons = 0u;
     for (uint c = 0u; c < cells; c++) {
         ivec3 step = ivec3(int(c) % extent.x, (int(c) / extent.x) % extent.y, int(c) / (extent.x * extent.y));
         ivec3 cell = low + step;
@@ -62,14 +47,14 @@ void main() {
             // Several cells share a bucket; each photon counts in its own cell only.
             if (any(notEqual(cell_of(photon.position, size), cell))) continue;
             if (dot(unpack_direction(photon.normal), normal) < MIN_NORMAL_COSINE) continue;
-            add(sum, uvec3(clamp(photon.flux / push.flux_unit + 0.5, 0.0, 4.0e9)));
-            sum.photons++;
+            add(sum, photon.flux / push.flux_unit);
+            photons++;
         }
     }
-    if (sum.photons == 0u) return;
-    float gathered = float(sum.photons);
+    if (photons == 0u) return;
+    float gathered = float(photons);
     float shrink = (statistic.photons + push.alpha * gathered) / (statistic.photons + gathered);
-    vec3 flux = total(sum);
+    vec3 flux = total(sum) * push.flux_unit;
     VisibleShade shade = visible_shades[slot];
     vec3 radiance_flux = flux * shade.throughput * shade.albedo / PI;
     if (!all_finite(radiance_flux)) {

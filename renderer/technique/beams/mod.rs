@@ -1,3 +1,85 @@
 //! Adaptive beam tracing (Liktor and Dachsbacher 2011): light between neighbouring rays, in volumes and on surfaces.
 
+pub mod accumulate;
 pub mod beam;
+pub mod generate;
+mod settings;
+
+pub use settings::SETTINGS;
+
+use super::{Context, CounterEntry, LedgerEntry, Settings, Technique};
+use crate::frame::Frame;
+use crate::gpu::{GpuError, Layout, Recorder};
+use crate::light_view::{LightViewTier, LightViews};
+use accumulate::Accumulator;
+use generate::Generator;
+
+/// What the technique shares with its kernels.
+pub fn layouts() -> impl Iterator<Item = Layout> {
+    [beam::LAYOUTS, generate::LAYOUTS, accumulate::LAYOUTS].into_iter().flatten().copied()
+}
+
+/// The technique's state for one band.
+pub struct Beams {
+    settings: Settings,
+    views: LightViews,
+    generator: Generator,
+    accumulator: Accumulator,
+    reuse: u32,
+}
+
+impl Beams {
+    pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
+        let views = LightViews::new(context.device, context.scene, context.tracer, 2, LightViewTier::Rays)?;
+        let generator = Generator::new(settings, context, &views)?;
+        let accumulator = Accumulator::new(settings, context, &generator.beams)?;
+        Ok(Beams { settings: settings.clone(), views, generator, accumulator, reuse: settings.integer("reuse") })
+    }
+}
+
+impl Technique for Beams {
+    fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        self.views.restart(context.device, context.scene)?;
+        self.generator.restart(&self.settings, context, &self.views)?;
+        self.accumulator = Accumulator::new(&self.settings, context, &self.generator.beams)?;
+        Ok(())
+    }
+
+    fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
+        if self.generator.has_light() {
+            let new_beams = index.is_multiple_of(self.reuse);
+            if new_beams {
+                self.generator.record(frame, recorder, index / self.reuse)?;
+            }
+            self.accumulator.record(frame, recorder, new_beams)?;
+        }
+        frame.record_caustic(recorder, index)
+    }
+
+    fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError> {
+        self.generator.ledger(samples.div_ceil(self.reuse))
+    }
+
+    fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
+        let mut counters = self.generator.counters()?;
+        counters.extend(self.accumulator.counters()?);
+        Ok(counters)
+    }
+
+    fn second_half(&self, samples: u32) -> Option<u32> {
+        self.generator.has_light().then_some(samples / 2)
+    }
+
+    fn warnings(&self) -> Result<Vec<String>, GpuError> {
+        if !self.generator.has_light() {
+            return Ok(vec!["no light reaches a specular object, so there is no caustic light".to_string()]);
+        }
+        let dropped = self.counters()?.into_iter().filter(|entry| entry.value > 0.0 && entry.name.ends_with("_dropped"));
+        Ok(dropped
+            .map(|entry| {
+                let what = entry.name.trim_end_matches("_dropped");
+                format!("beams had no room for {} {what}; some light may be missing", entry.value)
+            })
+            .collect())
+    }
+}

@@ -1,4 +1,4 @@
-//! What `mnee` does not look for: light that is reflected, or refracted more than once, by photons.
+//! What `mnee` does not look for, by photons: light that is reflected, or refracted more than once, and light in volumes.
 
 use crate::film::VISIBLE_LAYERS;
 use crate::frame::Frame;
@@ -20,6 +20,7 @@ pub struct Rest {
     add: Kernel,
     caustic: Buffer,
     irradiance: Buffer,
+    volume: Buffer,
     bindings: Bindings,
 }
 
@@ -36,16 +37,25 @@ impl Rest {
         let pixels = u64::from(context.frame.film.pixels());
         let caustic = Buffer::zeroed(context.device, "mnee rest caustic", pixels * VISIBLE_LAYERS * 16)?;
         let irradiance = Buffer::zeroed(context.device, "mnee rest irradiance", pixels * 16)?;
-        let bindings = Bindings::new().buffer("RestCaustic", &caustic).buffer("RestIrradiance", &irradiance);
-        let reference = Reference::new(&settings, context)?.into(&caustic, &irradiance);
+        let in_volume = if context.frame.film.has_volume() { pixels * VISIBLE_LAYERS * 16 } else { 0 };
+        let volume = Buffer::zeroed(context.device, "mnee rest volume", in_volume)?;
+        let bindings = Bindings::new()
+            .buffer("RestCaustic", &caustic)
+            .buffer("RestIrradiance", &irradiance)
+            .buffer("RestCausticVolume", &volume);
+        let picture = Bindings::new()
+            .buffer("FilmCaustic", &caustic)
+            .buffer("FilmIrradiance", &irradiance)
+            .buffer("FilmCausticVolume", &volume);
+        let reference = Reference::new(&settings, context)?.into(picture);
         let add = Kernel::new(context.device, "mnee/rest", "")?;
-        Ok(Some(Rest { reference, add, caustic, irradiance, bindings }))
+        Ok(Some(Rest { reference, add, caustic, irradiance, volume, bindings }))
     }
 
     /// As [`Technique::restart`].
     pub fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
         let mut recorder = Recorder::new(context.device)?;
-        recorder.pass("mnee/clear")?.fill(&self.caustic, 0).fill(&self.irradiance, 0);
+        recorder.pass("mnee/clear")?.fill(&self.caustic, 0).fill(&self.irradiance, 0).fill(&self.volume, 0);
         recorder.submit()?;
         self.reference.restart(context)
     }

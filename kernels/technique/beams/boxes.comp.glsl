@@ -1,0 +1,48 @@
+// Boxes round blocks of beams, then round groups of blocks: one invocation a box.
+#include "shared/index.glsl"
+#include "technique/beams/stored.glsl"
+#include "technique/beams/section.glsl"
+#include "technique/beams/tally.glsl"
+
+layout(set = 3, binding = 2, std430) buffer BeamBoxes { BeamBox beam_boxes[]; };
+layout(push_constant) uniform BoxesPush {
+    uint capacity; // beams
+    uint groups;   // 1: boxes of groups, whose blocks are there already
+    uint blocks;   // boxes of blocks, after which those of groups are kept
+    uint boxes;    // to make
+} push;
+
+void add(inout BeamBox box, vec3 low, vec3 high, uint beams, uint media) {
+    box.low = min(box.low, low);
+    box.high = max(box.high, high);
+    box.beams += beams;
+    box.media |= media;
+}
+
+void main() {
+    uint index = linear_index();
+    if (index >= push.boxes) return;
+    BeamBox box = BeamBox(vec3(3e38), 0u, vec3(-3e38), 0u);
+    if (push.groups != 0u) {
+        uint last = min((index + 1u) * GROUP_BLOCKS, push.blocks);
+        for (uint block = index * GROUP_BLOCKS; block < last; block++) {
+            BeamBox part = beam_boxes[block];
+            if (part.beams > 0u) add(box, part.low, part.high, part.beams, part.media);
+        }
+        beam_boxes[push.blocks + index] = box;
+        return;
+    }
+    uint last = min((index + 1u) * BLOCK_BEAMS, beam_count(push.capacity));
+    for (uint i = index * BLOCK_BEAMS; i < last; i++) {
+        Beam beam = beams[i];
+        if ((beam.flags & BEAM_EMPTY) != 0u) continue;
+        if (!beam_is_finite(beam)) {
+            tally(TALLY_NON_FINITE, 1u);
+            continue;
+        }
+        vec3 low, high;
+        box_of_range(beam, beam_range(beam), low, high);
+        add(box, low, high, 1u, medium_bit(beam.medium));
+    }
+    beam_boxes[index] = box;
+}

@@ -1,0 +1,32 @@
+// The three rays of a leaf in one sheet.
+#include "technique/beams/vertex.glsl"
+#include "technique/beams/leaf.glsl"
+
+struct BeamEdges {
+    uvec3 records; // NO_RECORD where the light does not go that way
+    vec3 normal;   // unit, the way the light goes
+    bool complete; // three rays that bound a beam
+    bool drawn;    // and do not part by more than a plane across all of them can take
+};
+
+// Cosine between an edge and the beam's normal below which a beam is not drawn: planes across it would meet the edge ever
+// farther away.
+const float LEAST_COSINE = 0.1;
+
+BeamEdges edges_of(BeamLeaf leaf, uint sheet) {
+    BeamEdges e = BeamEdges(uvec3(record_of(leaf.vertices.x, sheet), record_of(leaf.vertices.y, sheet),
+                                  record_of(leaf.vertices.z, sheet)), vec3(0.0), false, false);
+    if (any(equal(e.records, uvec3(NO_RECORD)))) return e;
+    uvec3 sources = uvec3(beam_vertices[e.records.x].source, beam_vertices[e.records.y].source,
+                          beam_vertices[e.records.z].source);
+    uvec3 in_media = uvec3(beam_vertices[e.records.x].medium, beam_vertices[e.records.y].medium,
+                           beam_vertices[e.records.z].medium);
+    e.complete = sources.x == sources.y && sources.x == sources.z && in_media.x == in_media.y && in_media.x == in_media.z;
+    vec3 a = beam_vertices[e.records.x].direction;
+    vec3 b = beam_vertices[e.records.y].direction;
+    vec3 c = beam_vertices[e.records.z].direction;
+    vec3 sum = a + b + c;
+    e.normal = sum / max(length(sum), 1e-6);
+    e.drawn = e.complete && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
+    return e;
+}

@@ -1,0 +1,40 @@
+// Slots in tiles of 64, one workgroup each. Where places are pixels a tile is 8 x 8 of them; in adaptive rounds places in a
+// row are samples of neighbouring pixels, so there a tile is 64 in a row.
+#include "shared/view.glsl"
+#include "shared/visible.glsl"
+
+struct TilePush {
+    uint capacity; // beams
+    uint blocks;   // boxes of blocks, after which those of groups come
+    uint listed;   // 1: places are those of an adaptive round
+    uint padding0;
+};
+
+const uint TILE_SIDE = 8u;
+const uint TILE_SLOTS = 64u;
+const uint NO_SLOT = 0xffffffffu;
+
+uint tiles_across() {
+    return (view.width + TILE_SIDE - 1u) / TILE_SIDE;
+}
+
+uint tiles_in_layer(TilePush push) {
+    if (push.listed != 0u) return (view.width * view.rows + TILE_SLOTS - 1u) / TILE_SLOTS;
+    return tiles_across() * ((view.rows + TILE_SIDE - 1u) / TILE_SIDE);
+}
+
+// This invocation's slot; NO_SLOT outside of the picture.
+uint slot_of(TilePush push, uint tile) {
+    uint in_layer = tiles_in_layer(push);
+    uint layer = tile / in_layer;
+    uint index = tile % in_layer;
+    uint pixels = view.width * view.rows;
+    if (push.listed != 0u) {
+        uint place = index * TILE_SLOTS + gl_LocalInvocationIndex;
+        return place < pixels ? layer * pixels + place : NO_SLOT;
+    }
+    uint across = tiles_across();
+    uint x = (index % across) * TILE_SIDE + gl_LocalInvocationIndex % TILE_SIDE;
+    uint y = (index / across) * TILE_SIDE + gl_LocalInvocationIndex / TILE_SIDE;
+    return x < view.width && y < view.rows ? layer * pixels + y * view.width + x : NO_SLOT;
+}

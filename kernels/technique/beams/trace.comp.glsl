@@ -1,0 +1,108 @@
+// Follows the rays of new vertices from the light through all sheets. One trace call in one loop: neighbours at different
+// sheets do not wait for each other, and lavapipe compiles one traversal.
+#include "technique/beams/vertex.glsl"
+#include "shared/optics.glsl"
+#include "shared/media.glsl"
+#include "technique/beams/ledger.glsl"
+#include "trace/interface.glsl"
+
+layout(push_constant) uniform JitterPush {
+    vec2 jitter; // of the lattice, in coarse cells
+    uint padding0;
+    uint padding1;
+} push;
+
+// What happens to a ray at the surface it has met: its own next ray, as far as it is known before it is traced. False where
+// nothing goes on in that sheet.
+bool branch(BeamVertex before, vec3 arriving, bool refracts, out BeamVertex next, out vec3 origin) {
+    next = before;
+    origin = vec3(0.0);
+    Surface s = surface_at(before.target, before.primitive, unpackUnorm2x16(before.barycentrics));
+    // Barycentrics are packed; the place is not.
+    s.position = landing(before);
+    Material material = materials[s.material];
+    bool crosses = false;
+    if (material.kind == MATERIAL_DIELECTRIC) {
+        Interface i = interface_at(s, before.direction);
+        if (refracts) {
+            if (i.reflectance >= 1.0) {
+                atomicAdd(tallies[TALLY_TOTAL_REFLECTION], 1u);
+                return false;
+            }
+            next.throughput = arriving * (1.0 - i.reflectance);
+            next.direction = refracted(i, before.direction);
+            next.medium = i.beyond;
+            crosses = true;
+        } else {
+            next.throughput = arriving * i.reflectance;
+            next.direction = reflected(i, before.direction);
+        }
+    } else {
+        // Rough mirrors spread light, which three rays cannot say.
+        if (refracts || material.kind != MATERIAL_MIRROR) return false;
+        vec3 n = dot(before.direction, s.geometric) < 0.0 ? s.shading : -s.shading;
+        next.throughput = arriving * material.color;
+        next.direction = normalize(reflect(before.direction, n));
+    }
+    if (mean(next.throughput) < settings.cutoff) {
+        atomicAdd(tallies[TALLY_CUT], 1u);
+        return false;
+    }
+    if (!stays_on_side(s, before.direction, next.direction, crosses)) {
+        atomicAdd(tallies[TALLY_WRONG_SIDE], 1u);
+        return false;
+    }
+    next.position = s.position;
+    next.normal = pack_direction(s.shading);
+    next.source = before.target;
+    origin = leave(s, next.direction);
+    if (!all_finite(next.direction) || !all_finite(next.throughput)) {
+        atomicAdd(tallies[TALLY_NON_FINITE], 1u);
+        return false;
+    }
+    return true;
+}
+
+void main() {
+    uint number = state.traced + linear_index();
+    if (number >= state.waiting) return;
+    LatticePlace place = lattice_places[number];
+    LightView v = light_views[place.view];
+    Light light = lights[v.light];
+
+    BeamVertex first = BeamVertex(vec3(0.0), 0u, vec3(0.0, 1.0, 0.0), 0.0, vec3(1.0), light.medium, NO_INSTANCE,
+                                  NO_INSTANCE, 0u, 0u);
+    light_ray(v, lattice_chart(v, vec2(place.column, place.row), push.jitter), first.position, first.direction);
+
+    // The first turn is the light's own ray.
+    for (uint turn = 0u; turn <= settings.sheets; turn++) {
+        uint sheet = turn - 1u;
+        BeamVertex next = first;
+        vec3 origin = first.position;
+        if (turn > 0u) {
+            sheet_records[number * settings.sheets + sheet] = NO_RECORD;
+            uint parent = sheet < 2u ? NO_RECORD : record_of(number, (sheet - 2u) / 2u);
+            if (sheet >= 2u && parent == NO_RECORD) continue;
+            BeamVertex before = first;
+            if (sheet >= 2u) before = beam_vertices[parent];
+            if (!goes_on(before.target)) continue;
+            vec3 arriving = before.throughput *
+                            transmittance(before.medium, before.position, before.direction, before.distance);
+            if (!branch(before, arriving, (sheet & 1u) == 0u, next, origin)) continue;
+        }
+        Hit hit = trace_closest(Ray(origin, 0.0, next.direction, 1e30), MASK_ALL);
+        next.target = hit.instance;
+        next.primitive = hit.primitive;
+        next.barycentrics = packUnorm2x16(hit.barycentrics);
+        next.distance = hit.instance == NO_INSTANCE ? settings.reach : hit.t;
+        if (turn == 0u) {
+            first = next;
+            continue;
+        }
+        uint record = atomicAdd(state.records, 1u);
+        if (record >= settings.records) continue;
+        atomicAdd(sheet_counts[sheet], 1u);
+        beam_vertices[record] = next;
+        sheet_records[number * settings.sheets + sheet] = record;
+    }
+}

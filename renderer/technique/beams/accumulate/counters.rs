@@ -1,0 +1,17 @@
+//! What accumulation counted.
+
+use crate::gpu::{Buffer, GpuError};
+use crate::technique::CounterEntry;
+
+/// In the order of `kernels/technique/beams/tally.glsl`.
+const NAMES: [&str; 5] =
+    ["beam_tests", "beam_fragments", "beam_shadow_rays", "beam_shadowed", "beam_fragments_non_finite"];
+
+/// Bytes of the buffer: two words a counter.
+pub const BYTES: u64 = 8 * NAMES.len() as u64;
+
+pub fn read(buffer: &Buffer) -> Result<Vec<CounterEntry>, GpuError> {
+    let words: Vec<u32> = buffer.read(2 * NAMES.len())?;
+    let value = |i: usize| f64::from(words[2 * i]) + 4_294_967_296.0 * f64::from(words[2 * i + 1]);
+    Ok(NAMES.iter().enumerate().map(|(i, name)| CounterEntry { name, value: value(i) }).collect())
+}

@@ -1,0 +1,191 @@
+//! From beams to light on the film: the density of every beam that a visible point lies in, added up.
+
+mod boxes;
+mod counters;
+mod options;
+
+pub use options::{Area, Integral, Interval, Options, SETTINGS, Shadows};
+
+use crate::film::VISIBLE_LAYERS;
+use crate::frame::Frame;
+use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use crate::technique::{Context, CounterEntry, Settings};
+
+use boxes::Boxes;
+
+/// The beams of a sample, wherever they come from.
+#[derive(Clone)]
+pub struct BeamBuffers {
+    /// [`Beam`](super::beam::Beam)s. Accumulation is quick where those that follow each other are near each other.
+    pub beams: Buffer,
+    /// One [`BeamHeader`](super::beam::BeamHeader): how many there are.
+    pub header: Buffer,
+    /// Beams that there is room for.
+    pub capacity: u32,
+}
+
+crate::gpu_struct! {
+    /// What every kernel that works on tiles of slots is told.
+    pub struct TilePush {
+        pub capacity: u32,
+        pub blocks: u32,
+        pub listed: u32,
+        pub padding0: u32,
+    }
+}
+
+crate::gpu_struct! {
+    /// How a beam's light is worked out; see `kernels/technique/beams/shade.glsl`.
+    pub struct ShadePush {
+        pub light_angle: f32,
+        pub smooth_area: u32,
+        pub shadows: u32,
+        pub soft: f32,
+    }
+}
+
+crate::gpu_struct! {
+    /// How a beam's light in a medium is added up; see `kernels/technique/beams/inscatter.glsl`.
+    pub struct VolumePush {
+        pub scan_plane: u32,
+        pub integral: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct VolumeLightPush {
+        pub tile: TilePush,
+        pub shade: ShadePush,
+        pub volume: VolumePush,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct LightPush {
+        pub tile: TilePush,
+        pub shade: ShadePush,
+    }
+}
+
+pub const LAYOUTS: &[Layout] = &[
+    TilePush::LAYOUT,
+    ShadePush::LAYOUT,
+    LightPush::LAYOUT,
+    VolumePush::LAYOUT,
+    VolumeLightPush::LAYOUT,
+    boxes::BeamBox::LAYOUT,
+    boxes::BoxesPush::LAYOUT,
+];
+
+/// Slots of a tile, 8 x 8.
+const TILE_SIDE: u32 = 8;
+
+/// Adds up the light of beams; of one band.
+pub struct Accumulator {
+    shade: ShadePush,
+    beams: BeamBuffers,
+    boxes: Boxes,
+    bindings: Bindings,
+    tallies: Buffer,
+    gather: Kernel,
+    volume: Option<(Kernel, VolumePush)>,
+    tiles: u32,
+    listed: bool,
+}
+
+impl Accumulator {
+    /// For the beams in `beams`, as [`SETTINGS`] among `settings` say.
+    pub fn new(settings: &Settings, context: &Context<'_>, beams: &BeamBuffers) -> Result<Self, GpuError> {
+        Self::with_options(Options::of(settings), context, beams)
+    }
+
+    pub fn with_options(options: Options, context: &Context<'_>, beams: &BeamBuffers) -> Result<Self, GpuError> {
+        let device = context.device;
+        let tallies = Buffer::zeroed(device, "beam tallies", counters::BYTES)?;
+        let bindings = Bindings::new()
+            .buffer("Beams", &beams.beams)
+            .buffer("BeamHeaders", &beams.header)
+            .buffer("BeamTallies", &tallies);
+        let boxes = Boxes::new(device, beams.capacity)?;
+        let listed = context.frame.adaptive().is_some();
+        let variant = context.tracer.backend.variant();
+        let volume = match context.frame.film.has_volume() {
+            true => Some((Kernel::new(device, "beams/gather_volume", variant)?, volume_push(&options))),
+            false => None,
+        };
+        Ok(Accumulator {
+            shade: ShadePush {
+                light_angle: options.light_angle,
+                smooth_area: u32::from(options.area == Area::Vertex),
+                shadows: u32::from(options.shadows == Shadows::Edges),
+                soft: options.soft,
+            },
+            beams: beams.clone(),
+            bindings: bindings.and(boxes.bindings()),
+            boxes,
+            tallies,
+            gather: Kernel::new(device, "beams/gather", variant)?,
+            volume,
+            tiles: tiles(context.frame, listed),
+            listed,
+        })
+    }
+
+    /// Forgets what was counted.
+    pub fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
+        let mut recorder = Recorder::new(context.device)?;
+        recorder.pass("beams/clear")?.fill(&self.tallies, 0);
+        recorder.submit()?;
+        Ok(())
+    }
+
+    /// Records how the beams' light comes to the sample's visible points: afterwards the block `SampleIrradiance` holds it,
+    /// W/m2, and where the scene scatters `SampleVolume` what comes to the camera from media. `new_beams`: they have changed since the sample before.
+    pub fn record(&self, frame: &Frame, recorder: &mut Recorder, new_beams: bool) -> Result<(), GpuError> {
+        let bindings = [&frame.bindings, &self.bindings];
+        if new_beams {
+            self.boxes.record(recorder, &bindings)?;
+        }
+        let push = LightPush { tile: self.tile_push(), shade: self.shade };
+        let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
+        recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
+        if let Some((kernel, volume)) = &self.volume {
+            let push = VolumeLightPush { tile: self.tile_push(), shade: self.shade, volume: *volume };
+            recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+        }
+        Ok(())
+    }
+
+    fn tile_push(&self) -> TilePush {
+        TilePush {
+            capacity: self.beams.capacity,
+            blocks: self.boxes.blocks(),
+            listed: u32::from(self.listed),
+            padding0: 0,
+        }
+    }
+
+    /// What was counted over all samples so far.
+    pub fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
+        counters::read(&self.tallies)
+    }
+}
+
+fn volume_push(options: &Options) -> VolumePush {
+    VolumePush {
+        scan_plane: u32::from(options.interval == Interval::ScanPlane),
+        integral: options.integral as u32,
+        padding0: 0,
+        padding1: 0,
+    }
+}
+
+/// Tiles of all layers, as `kernels/technique/beams/tile.glsl` has them.
+fn tiles(frame: &Frame, listed: bool) -> u32 {
+    let (width, rows) = frame.film.size();
+    let one =
+        if listed { frame.film.pixels().div_ceil(64) } else { width.div_ceil(TILE_SIDE) * rows.div_ceil(TILE_SIDE) };
+    one * VISIBLE_LAYERS as u32
+}

@@ -1,0 +1,132 @@
+//! What `--set` can tell the accumulation of beams.
+
+use crate::technique::{Setting, SettingKind, Settings};
+
+/// The part of the technique's table that is about accumulation.
+pub const SETTINGS: &[Setting] = &[
+    Setting {
+        key: "area",
+        kind: SettingKind::Choice(&["vertex", "beam"]),
+        default: "vertex",
+        unit: "",
+        help: "The area that light is spread over: interpolated between the corners of a beam, which is smooth from beam to \
+               beam, or each beam's own",
+    },
+    Setting {
+        key: "shadows",
+        kind: SettingKind::Choice(&["points", "edges"]),
+        default: "points",
+        unit: "",
+        help: "Whether a visible point in a beam looks for its light by a ray of its own, or believes the edges of the beam \
+               where they end on one smooth surface",
+    },
+    Setting {
+        key: "interval",
+        kind: SettingKind::Choice(&["exact", "scan-plane"]),
+        default: "exact",
+        unit: "",
+        help: "Where a view ray is inside a beam: between its bilinear sides, or by a plane through the ray that takes them \
+               for straight, as the paper does",
+    },
+    Setting {
+        key: "integral",
+        kind: SettingKind::Choice(&["closed", "adaptive", "midpoint"]),
+        default: "closed",
+        unit: "",
+        help: "The light scattered within that interval: with the beam's area in closed form, by more and more points, or by \
+               the one in the middle, as the paper does",
+    },
+    Setting {
+        key: "soft",
+        kind: SettingKind::Number { min: 0.0, max: 1e6 },
+        default: "0",
+        unit: "m",
+        help: "Volume light fades within this of the surface behind it; 0 for none, which is exact",
+    },
+    Setting {
+        key: "light_angle",
+        kind: SettingKind::Number { min: 0.0, max: 10.0 },
+        default: "0.03",
+        unit: "degrees",
+        help: "Size of the lights where beams focus: no beam gets narrower than this from where it starts",
+    },
+];
+
+/// Where a beam's density comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Area {
+    /// The corners' area functions, interpolated: smooth across beams.
+    Vertex,
+    /// The beam's own cross-section.
+    Beam,
+}
+
+/// Which points look for their light by a ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shadows {
+    /// All of them.
+    Points,
+    /// Those of beams whose edges do not end on one smooth surface.
+    Edges,
+}
+
+/// How a view ray's interval in a beam is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interval {
+    /// By the bilinear sides, which neighbours share.
+    Exact,
+    /// By a plane through the ray (Ernst et al. 2005).
+    ScanPlane,
+}
+
+/// How what is scattered within the interval is added up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integral {
+    Closed,
+    Adaptive,
+    Midpoint,
+}
+
+/// How beams are accumulated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    pub area: Area,
+    pub shadows: Shadows,
+    pub interval: Interval,
+    pub integral: Integral,
+    /// m before a surface within which volume light fades.
+    pub soft: f32,
+    /// Radians.
+    pub light_angle: f32,
+}
+
+impl Options {
+    /// As the settings say, which hold [`SETTINGS`].
+    pub fn of(settings: &Settings) -> Self {
+        Options {
+            area: if settings.choice("area") == "beam" { Area::Beam } else { Area::Vertex },
+            shadows: if settings.choice("shadows") == "edges" { Shadows::Edges } else { Shadows::Points },
+            interval: if settings.choice("interval") == "scan-plane" { Interval::ScanPlane } else { Interval::Exact },
+            integral: match settings.choice("integral") {
+                "midpoint" => Integral::Midpoint,
+                "adaptive" => Integral::Adaptive,
+                _ => Integral::Closed,
+            },
+            soft: settings.number("soft"),
+            light_angle: settings.number("light_angle").to_radians(),
+        }
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            area: Area::Vertex,
+            shadows: Shadows::Points,
+            interval: Interval::Exact,
+            integral: Integral::Closed,
+            soft: 0.0,
+            light_angle: 0.03f32.to_radians(),
+        }
+    }
+}
