@@ -60,7 +60,8 @@ fn read_file(table: &Table, node: &Node) -> Result<DensityGrid, SceneError> {
     let (own, points, values) = read.map_err(|problem| refuse(node, path.clone(), problem))?;
     let given = BOX.iter().all(|key| table.get(key).is_some());
     let near = own.min.abs().max(own.max.abs()).max_element() <= 1e6;
-    if !given && !(near && is_box(own)) {
+    let own_serves = near && is_box(own);
+    if !(given || own_serves) {
         let problem = format!(
             "has a box from {:?} to {:?}; allowed: coordinates from -1e6 to 1e6, the last at least 1e-6 above the \
              first, or `lower` and `upper` beside it",
