@@ -92,6 +92,7 @@ pub struct Frame {
     accumulate: Kernel,
     draws: Vec<(u32, u32)>,
     seed: u32,
+    jitter: [f32; 2],
 }
 
 impl Frame {
@@ -150,6 +151,7 @@ impl Frame {
             accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
             seed: view.seed,
+            jitter: [0.5; 2],
         })
     }
 
@@ -165,12 +167,6 @@ impl Frame {
         self.film.clear(device)
     }
 
-    /// Where in its pixel sample `index` is, [0, 1)^2, the same for all pixels: the raster can shift its projection only as a
-    /// whole, and each pixel sees the whole (0,2)-sequence all the same. Not where sampling is adaptive.
-    pub fn jitter(&self, index: u32) -> [f32; 2] {
-        random::sample_2d(index, self.seed)
-    }
-
     /// What the visibility stage is made of.
     pub fn visibility_tier(&self) -> &'static str {
         match self.visibility {
@@ -184,6 +180,11 @@ impl Frame {
     /// [`crate::adaptive`].
     pub fn slots(&self) -> u32 {
         self.film.pixels() * crate::film::VISIBLE_LAYERS as u32
+    }
+
+    /// Where in its pixel the sample recorded last looks, [0, 1), the same for all pixels; not where sampling is adaptive.
+    pub fn jitter(&self) -> [f32; 2] {
+        self.jitter
     }
 
     /// Samples of each pixel after `done` samples of the picture.
@@ -203,7 +204,8 @@ impl Frame {
     /// Those of the device. After an adaptive pilot the host reads back how much pixels vary.
     pub fn record(&mut self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         let listed = self.adaptive.is_some().into();
-        let sample = Sample { jitter: self.jitter(index), index, listed };
+        let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
+        self.jitter = sample.jitter;
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.record_list(recorder, &self.bindings, index)?;
         }

@@ -54,7 +54,12 @@ fn kernels_keep_to_the_portable_core() {
         assert!(interface.workgroup.iter().product::<u32>() <= WORKGROUP_INVOCATIONS, "{name}");
         let version = words[1] >> 8;
         assert!(version <= 0x0105, "{name}: SPIR-V version {version:#x}");
-        let allowed: &[u32] = if kernel.variant == "ray_query" { &[SHADER, RAY_QUERY] } else { &[SHADER] };
+        let allowed: &[u32] = match (kernel.stage, kernel.variant) {
+            // Only where the device has geometry shaders.
+            ("geom", _) => &[SHADER, GEOMETRY],
+            (_, "ray_query") => &[SHADER, RAY_QUERY],
+            _ => &[SHADER],
+        };
         let capabilities = interface.capabilities;
         assert!(capabilities.iter().all(|c| allowed.contains(c)), "{name}: capabilities {capabilities:?}");
         assert!(capabilities.contains(&SHADER), "{name}: capabilities {capabilities:?}");
@@ -62,4 +67,5 @@ fn kernels_keep_to_the_portable_core() {
 }
 
 const SHADER: u32 = 1;
+const GEOMETRY: u32 = 2;
 const RAY_QUERY: u32 = 4472;

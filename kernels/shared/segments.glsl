@@ -12,7 +12,11 @@ struct ViewSegment {
     uint throughput_b_medium; // a half float in the low half, the medium in the high half; NO_MEDIUM: empty
 };
 
-layout(set = 2, binding = 17, std430) buffer ViewSegments { ViewSegment view_segments[]; };
+// Stages that cannot write to buffers say readonly.
+#ifndef SEGMENTS_ACCESS
+#define SEGMENTS_ACCESS
+#endif
+layout(set = 2, binding = 17, std430) SEGMENTS_ACCESS buffer ViewSegments { ViewSegment view_segments[]; };
 
 // Half floats are normal from 6e-5 to 65504; throughputs, which n^2 takes to 100 at most, from 1e-7 on.
 const float THROUGHPUT_SCALE = 512.0;

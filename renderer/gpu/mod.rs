@@ -36,7 +36,7 @@ pub use memory::{Buffer, Image};
 #[cfg(feature = "viewer")]
 pub use painter::Painter;
 pub use quirks::Quirks;
-pub use raster::{Raster, RasterTargets};
+pub use raster::{Raster, RasterStages, RasterTargets};
 pub use recorder::{Pass, PassTime, Recorder};
 pub use reflect::{Interface, Struct, reflect};
 #[cfg(feature = "hot-reload")]

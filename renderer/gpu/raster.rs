@@ -6,12 +6,53 @@ use ash::vk;
 
 use super::error::Call;
 use super::pipeline::{Module, Pipeline, PipelineLayout, PipelineSlot, module_words};
-use super::reflect::reflect;
+use super::reflect::{Interface, reflect};
 #[cfg(feature = "hot-reload")]
 use super::reload::{ModuleName, Reloadable};
-use super::{Bindings, Device, GpuError, Image, Pass};
+use super::{Bindings, Buffer, Device, GpuError, Image, Pass};
 
-/// A vertex and a fragment stage of one name. Nearer is larger in depth (reversed, infinite far plane). Clones share it.
+/// The stages of a raster pipeline by their kernels' names.
+#[derive(Debug, Clone, Copy)]
+pub struct RasterStages<'a> {
+    pub vertex: &'a str,
+    /// Takes points and makes triangles of them.
+    pub geometry: Option<&'a str>,
+    pub fragment: &'a str,
+    /// The tracing back-end's, of the fragment stage; empty where that traces no rays.
+    pub variant: &'a str,
+}
+
+impl RasterStages<'_> {
+    /// Name, stage and variant of each module.
+    fn modules(&self) -> Vec<(&str, &'static str, &str)> {
+        let geometry = self.geometry.map(|name| (name, "geom", ""));
+        [Some((self.vertex, "vert", "")), geometry, Some((self.fragment, "frag", self.variant))]
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+}
+
+/// What becomes of a pixel that several triangles cover.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mixing {
+    /// The nearest wins. Nearer is larger in depth (reversed, infinite far plane).
+    Nearest,
+    /// Values add up, of triangles seen from behind: a convex volume covers each pixel once, wherever the camera is.
+    SumOfBacks,
+}
+
+/// What a pipeline is made for.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    color: vk::Format,
+    /// `UNDEFINED` for none.
+    depth: vk::Format,
+    mixing: Mixing,
+    points: bool,
+}
+
+/// A vertex, perhaps a geometry, and a fragment stage. Clones share it.
 #[derive(Clone)]
 pub struct Raster(Arc<RasterInner>);
 
@@ -21,47 +62,74 @@ pub(crate) struct RasterInner {
     pipeline: PipelineSlot,
     /// What a new pipeline has to fit.
     #[cfg(feature = "hot-reload")]
-    formats: [vk::Format; 2],
+    state: State,
     #[cfg(feature = "hot-reload")]
-    modules: [ModuleName; 2],
+    modules: Vec<ModuleName>,
     // Keeps the pipeline's device open, and is dropped after it: fields go in their order.
     _device: Device,
 }
 
-/// What is drawn into: one colour target and its depth.
+/// What is drawn into: one colour target, and its depth where the nearest wins.
 #[derive(Clone)]
 pub struct RasterTargets {
     pub color: Image,
-    depth: Image,
+    depth: Option<Image>,
 }
 
 impl RasterTargets {
     /// Two unsigned integers a pixel.
     pub fn ids(device: &Device, name: &str, width: u32, height: u32) -> Result<Self, GpuError> {
+        let depth = Image::target(device, &format!("{name} depth"), vk::Format::D32_SFLOAT, width, height)?;
         Ok(RasterTargets {
             color: Image::target(device, name, vk::Format::R32G32_UINT, width, height)?,
-            depth: Image::target(device, &format!("{name} depth"), vk::Format::D32_SFLOAT, width, height)?,
+            depth: Some(depth),
         })
+    }
+
+    /// Four floats a pixel, which add up. Only where [`Limits::float_sums`](super::Limits::float_sums) says so.
+    pub fn sums(device: &Device, name: &str, width: u32, height: u32) -> Result<Self, GpuError> {
+        let color = Image::target(device, name, vk::Format::R32G32B32A32_SFLOAT, width, height)?;
+        Ok(RasterTargets { color, depth: None })
+    }
+
+    fn state(&self, points: bool) -> State {
+        State {
+            color: self.color.format,
+            depth: self.depth.as_ref().map_or(vk::Format::UNDEFINED, |depth| depth.format),
+            mixing: if self.depth.is_some() { Mixing::Nearest } else { Mixing::SumOfBacks },
+            points,
+        }
     }
 }
 
 impl Raster {
     /// The pipeline of `<name>.vert.glsl` and `<name>.frag.glsl` for targets like `targets`.
     pub fn new(device: &Device, name: &str, targets: &RasterTargets) -> Result<Self, GpuError> {
+        Self::of_stages(device, &RasterStages { vertex: name, geometry: None, fragment: name, variant: "" }, targets)
+    }
+
+    /// The pipeline of these stages for targets like `targets`; its name is the fragment stage's.
+    pub fn of_stages(device: &Device, stages: &RasterStages<'_>, targets: &RasterTargets) -> Result<Self, GpuError> {
+        let name = stages.fragment;
         let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
-        let (vertex, fragment) = (module_words(name, "vert", "")?, module_words(name, "frag", "")?);
-        let interfaces = [reflect(&vertex).map_err(error)?, reflect(&fragment).map_err(error)?];
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let layout = Arc::new(PipelineLayout::new(device, name, &[&interfaces[0], &interfaces[1]], stages)?);
-        let formats = [targets.color.format, targets.depth.format];
+        let modules = stages.modules();
+        let words: Vec<Vec<u32>> = modules
+            .iter()
+            .map(|&(name, stage, variant)| module_words(name, stage, variant))
+            .collect::<Result<_, _>>()?;
+        let interfaces: Vec<Interface> =
+            words.iter().map(|words| reflect(words).map_err(error)).collect::<Result<_, _>>()?;
+        let flags = modules.iter().fold(vk::ShaderStageFlags::empty(), |all, (_, stage, _)| all | stage_flag(stage));
+        let layout = Arc::new(PipelineLayout::new(device, name, &interfaces.iter().collect::<Vec<_>>(), flags)?);
+        let state = targets.state(stages.geometry.is_some());
         let inner = Arc::new(RasterInner {
             name: name.to_string(),
-            pipeline: PipelineSlot::new(pipeline(device, name, &layout, formats, [&vertex, &fragment])?),
+            pipeline: PipelineSlot::new(pipeline(device, name, &layout, state, &words)?),
             layout,
             #[cfg(feature = "hot-reload")]
-            formats,
+            state,
             #[cfg(feature = "hot-reload")]
-            modules: ["vert", "frag"].map(|stage| ModuleName::new(name, stage, "")),
+            modules: modules.iter().map(|&(name, stage, variant)| ModuleName::new(name, stage, variant)).collect(),
             _device: device.clone(),
         });
         #[cfg(feature = "hot-reload")]
@@ -70,39 +138,60 @@ impl Raster {
     }
 }
 
-/// `formats` are the colour's and the depth's, the words those of the vertex and the fragment stage.
+fn stage_flag(stage: &str) -> vk::ShaderStageFlags {
+    match stage {
+        "vert" => vk::ShaderStageFlags::VERTEX,
+        "geom" => vk::ShaderStageFlags::GEOMETRY,
+        _ => vk::ShaderStageFlags::FRAGMENT,
+    }
+}
+
+/// `words` are those of the vertex, perhaps the geometry, and the fragment stage.
 fn pipeline(
     device: &Device,
     name: &str,
     layout: &Arc<PipelineLayout>,
-    [color, depth_format]: [vk::Format; 2],
-    [vertex, fragment]: [&[u32]; 2],
+    state: State,
+    words: &[Vec<u32>],
 ) -> Result<Pipeline, GpuError> {
-    let (vertex, fragment) = (Module::new(device, vertex)?, Module::new(device, fragment)?);
-    let stage = |stage, module: &Module| {
-        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw).name(c"main")
-    };
-    let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
+    let names: &[&str] = if words.len() == 3 { &["vert", "geom", "frag"] } else { &["vert", "frag"] };
+    let modules = words.iter().map(|words| Module::new(device, words)).collect::<Result<Vec<_>, _>>()?;
+    let stages: Vec<_> = names
+        .iter()
+        .zip(&modules)
+        .map(|(stage, module)| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage_flag(stage)).module(module.raw).name(c"main")
+        })
+        .collect();
+    let nearest = state.mixing == Mixing::Nearest;
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let topology = if state.points { vk::PrimitiveTopology::POINT_LIST } else { vk::PrimitiveTopology::TRIANGLE_LIST };
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(vk::CullModeFlags::NONE)
+        .cull_mode(if nearest { vk::CullModeFlags::NONE } else { vk::CullModeFlags::FRONT })
+        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
         .line_width(1.0);
     let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_test_enable(true)
-        .depth_write_enable(true)
+        .depth_test_enable(nearest)
+        .depth_write_enable(nearest)
         .depth_compare_op(vk::CompareOp::GREATER);
-    let attachment = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)];
+    let attachment = [vk::PipelineColorBlendAttachmentState::default()
+        .blend_enable(!nearest)
+        .src_color_blend_factor(vk::BlendFactor::ONE)
+        .dst_color_blend_factor(vk::BlendFactor::ONE)
+        .src_alpha_blend_factor(vk::BlendFactor::ONE)
+        .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+        .color_write_mask(vk::ColorComponentFlags::RGBA)];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachment);
     let dynamic = vk::PipelineDynamicStateCreateInfo::default()
         .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
-    let colors = [color];
+    let colors = [state.color];
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(&colors)
-        .depth_attachment_format(depth_format);
+        .depth_attachment_format(state.depth);
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(&stages)
         .vertex_input_state(&vertex_input)
@@ -128,12 +217,18 @@ impl Reloadable for RasterInner {
     }
 
     fn reload(&self, device: &Device, modules: &[Vec<u32>]) -> Result<(), GpuError> {
-        if let [vertex, fragment] = modules {
-            let pipeline = pipeline(device, &self.name, &self.layout, self.formats, [vertex, fragment])?;
-            self.pipeline.replace(pipeline);
-        }
+        let pipeline = pipeline(device, &self.name, &self.layout, self.state, modules)?;
+        self.pipeline.replace(pipeline);
         Ok(())
     }
+}
+
+/// What a draw takes its number of vertices from.
+enum Vertices<'a, P> {
+    /// For each item its push constants and its number of vertices.
+    Items(&'a [(P, u32)]),
+    /// Push constants, and the arguments of one indirect draw.
+    Indirect(&'a P, &'a Buffer),
 }
 
 impl Pass<'_> {
@@ -144,6 +239,30 @@ impl Pass<'_> {
         targets: &RasterTargets,
         bindings: &[&Bindings],
         items: &[(P, u32)],
+    ) -> Result<&mut Self, GpuError> {
+        self.draw_vertices(raster, targets, bindings, Vertices::Items(items))
+    }
+
+    /// Clears the targets to zero and draws what the four u32 at the start of `arguments` say: vertices, instances, first
+    /// vertex, first instance.
+    pub fn draw_indirect<P: bytemuck::NoUninit>(
+        &mut self,
+        raster: &Raster,
+        targets: &RasterTargets,
+        bindings: &[&Bindings],
+        push: &P,
+        arguments: &Buffer,
+    ) -> Result<&mut Self, GpuError> {
+        self.hold(arguments);
+        self.draw_vertices(raster, targets, bindings, Vertices::Indirect(push, arguments))
+    }
+
+    fn draw_vertices<P: bytemuck::NoUninit>(
+        &mut self,
+        raster: &Raster,
+        targets: &RasterTargets,
+        bindings: &[&Bindings],
+        what: Vertices<'_, P>,
     ) -> Result<&mut Self, GpuError> {
         let inner = &raster.0;
         let sets = self.descriptors().sets(&inner.name, &inner.layout, bindings, size_of::<P>())?;
@@ -175,18 +294,24 @@ impl Pass<'_> {
                 .store_op(vk::AttachmentStoreOp::STORE)
         };
         let colors = [attachment(&targets.color)];
-        let depth = attachment(&targets.depth);
-        let info = vk::RenderingInfo::default()
-            .render_area(area)
-            .layer_count(1)
-            .color_attachments(&colors)
-            .depth_attachment(&depth);
-        let layouts = [
-            to_general(&targets.color, vk::ImageAspectFlags::COLOR),
-            to_general(&targets.depth, vk::ImageAspectFlags::DEPTH),
-        ];
+        let depth = targets.depth.as_ref().map(attachment);
+        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth {
+            info = info.depth_attachment(depth);
+        }
+        let color = to_general(&targets.color, vk::ImageAspectFlags::COLOR);
+        let layouts: Vec<_> = std::iter::once(color)
+            .chain(targets.depth.iter().map(|depth| to_general(depth, vk::ImageAspectFlags::DEPTH)))
+            .collect();
+        let push_constants = |push: &P| {
+            let bytes = bytemuck::bytes_of(push);
+            // SAFETY: the bytes are as many as the layout has, which its sets were checked for.
+            unsafe {
+                device.raw.cmd_push_constants(commands, pipeline.layout.raw, pipeline.layout.stages, 0, bytes);
+            }
+        };
         // SAFETY: targets and pipeline agree in their formats; all is held until the commands have run. The transition
-        // discards the old content, which the clear replaces.
+        // discards the old content, which the clear replaces. Buffers are made for indirect use, and have 16 bytes.
         unsafe {
             device.raw.cmd_pipeline_barrier(
                 commands,
@@ -205,10 +330,17 @@ impl Pass<'_> {
                 let point = vk::PipelineBindPoint::GRAPHICS;
                 device.raw.cmd_bind_descriptor_sets(commands, point, pipeline.layout.raw, 0, &sets, &[]);
             }
-            for (push, vertices) in items {
-                let bytes = bytemuck::bytes_of(push);
-                device.raw.cmd_push_constants(commands, pipeline.layout.raw, pipeline.layout.stages, 0, bytes);
-                device.raw.cmd_draw(commands, *vertices, 1, 0, 0);
+            match what {
+                Vertices::Items(items) => {
+                    for (push, vertices) in items {
+                        push_constants(push);
+                        device.raw.cmd_draw(commands, *vertices, 1, 0, 0);
+                    }
+                }
+                Vertices::Indirect(push, arguments) => {
+                    push_constants(push);
+                    device.raw.cmd_draw_indirect(commands, arguments.raw, 0, 1, 16);
+                }
             }
             rendering.cmd_end_rendering(commands);
         }

@@ -46,6 +46,8 @@ pub struct Limits {
     pub target_side: u32,
     /// Bits of a pixel to which the rasteriser knows positions.
     pub subpixel_bits: u32,
+    /// Whether rasterised colours of four 32-bit floats can add up.
+    pub float_sums: bool,
     /// Nanoseconds per timestamp tick.
     pub timestamp_period: f32,
 }
@@ -75,6 +77,10 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
     // SAFETY: `raw` belongs to this instance, and the chain is of structs of Vulkan 1.2.
     unsafe { instance.raw.get_physical_device_properties2(raw, &mut properties) };
     let properties = properties.properties;
+    // SAFETY: `raw` belongs to this instance.
+    let formats = unsafe {
+        instance.raw.get_physical_device_format_properties(raw, vk::Format::R32G32B32A32_SFLOAT).optimal_tiling_features
+    };
     let limits = Limits {
         storage_range: properties.limits.max_storage_buffer_range.into(),
         storage_offset_alignment: properties.limits.min_storage_buffer_offset_alignment,
@@ -86,6 +92,7 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
         subgroup: subgroup.subgroup_size,
         target_side: target_side(&properties.limits),
         subpixel_bits: properties.limits.sub_pixel_precision_bits,
+        float_sums: formats.contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND),
         timestamp_period: properties.limits.timestamp_period,
     };
     let text = |s: Result<&std::ffi::CStr, _>| s.unwrap_or(c"?").to_string_lossy().into_owned();

@@ -1,8 +1,7 @@
-// The light of all beams at the visible points, one workgroup a tile.
+// The light of all beams at the visible points, or on what their pixels cover, one workgroup a tile.
 layout(local_size_x = 64) in;
 #include "shared/film.glsl"
-#include "technique/beams/shade.glsl"
-#include "technique/beams/shadow.glsl"
+#include "technique/beams/surface_light.glsl"
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/ordered.glsl"
@@ -10,6 +9,9 @@ layout(local_size_x = 64) in;
 
 layout(set = 2, binding = 2, std430) readonly buffer VisiblePoints { VisiblePoint visible_points[]; };
 layout(set = 2, binding = 12, std430) writeonly buffer SampleIrradiance { vec4 sample_irradiance[]; };
+layout(set = 2, binding = 3, std430) readonly buffer VisibleShades { VisibleShade visible_shades[]; };
+// What rasterised hulls brought, a pixel; w: their fragments.
+layout(set = 3, binding = 6, std430) readonly buffer DrawnIrradiance { vec4 drawn_irradiance[]; };
 layout(push_constant) uniform LightPush {
     TilePush tile;
     ShadePush shade;
@@ -107,26 +109,10 @@ bool near_beam(Beam beam) {
     return comes_near(beam, box);
 }
 
-// Adds the beam's light unless it is shadowed; `at` is where it arrives, `start` where it comes from.
-void add(Beam beam, Section section, vec3 at, vec3 start, vec3 light) {
-    if (!all_finite(light) || !all_finite(start)) {
-        count(TALLY_NON_FINITE);
-        return;
-    }
-    if (mean(light) <= 0.0) return;
-    count(TALLY_FRAGMENTS);
-    if (wants_ray(beam, section, push.shade.shadows)) {
-        count(TALLY_RAYS);
-        if (is_shadowed(beam, at, start)) {
-            count(TALLY_SHADOWED);
-            return;
-        }
-    }
-    sum += light;
-}
-
 // Where the beam's light that falls into the pixel arrives, and what it brings.
 bool light_on_footprint(Beam beam, out Section section, out vec3 at, out vec3 start, out vec3 light) {
+    if (beam.medium != point.medium) return false;
+    count(TALLY_TESTS);
     Covered covered;
     if (!covers(beam, footprint, covered)) return false;
     vec3 w = covered.weights;
@@ -139,13 +125,6 @@ bool light_on_footprint(Beam beam, out Section section, out vec3 at, out vec3 st
     float density = covered.part / footprint.area;
     light = beam_on_area(push.shade, beam, section, at, density, shading, geometric, start);
     return section.y <= beam_range(beam).y;
-}
-
-bool light_on_point(Beam beam, out Section section, out vec3 at, out vec3 start, out vec3 light) {
-    at = point.position;
-    if (!section_at(beam, at, section) || section.y > beam_range(beam).y) return false;
-    light = beam_irradiance(push.shade, beam, section, at, shading, geometric, start);
-    return true;
 }
 
 void visit(uint bases[2], uvec2 near_beams) {
@@ -164,13 +143,17 @@ void visit(uint bases[2], uvec2 near_beams) {
     while (any_bit(mine)) {
         uint bit = take_bit(mine);
         Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
-        if (!here || beam.medium != point.medium) continue;
-        count(TALLY_TESTS);
+        if (!here) continue;
         Section section;
-        vec3 at, start, light;
-        bool lit = footprint.known ? light_on_footprint(beam, section, at, start, light)
-                                   : light_on_point(beam, section, at, start, light);
-        if (lit) add(beam, section, at, start, light);
+        vec3 at = point.position;
+        vec3 start, light;
+        if (footprint.known) {
+            if (!light_on_footprint(beam, section, at, start, light)) continue;
+        } else {
+            if (!holds_point(beam, point, section)) continue;
+            light = beam_irradiance(push.shade, beam, section, at, shading, geometric, start);
+        }
+        sum += unshadowed(push.shade, beam, section, at, start, light);
     }
 }
 
@@ -220,7 +203,14 @@ void main() {
     shading = unpack_direction(point.normal);
     geometric = unpack_direction(point.geometric);
     look_around(slot);
+    // Points that the camera sees straight are lit already.
+    bool drawn = push.tile.drawn != 0u && slot < view.width * view.rows;
+    if (drawn && here && visible_shades[slot].events == 0u) here = false;
     uint media = find_boxes(own_box());
+    if (drawn) {
+        sum = drawn_irradiance[slot].rgb;
+        count_drawn(drawn_irradiance[slot].w);
+    }
     traverse(push.tile, media);
     if (slot != NO_SLOT) sample_irradiance[slot] = vec4(sum, 0.0);
     close_tallies();

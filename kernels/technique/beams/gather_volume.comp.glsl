@@ -3,13 +3,14 @@
 // them tell.
 layout(local_size_x = 64) in;
 #include "shared/film.glsl"
-#include "technique/beams/inscatter.glsl"
-#include "technique/beams/shadow.glsl"
+#include "technique/beams/volume_light.glsl"
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/shaft.glsl"
 
 layout(set = 2, binding = 20, std430) writeonly buffer SampleVolume { vec4 sample_volume[]; };
+// What rasterised hulls brought, a pixel; w: their fragments.
+layout(set = 3, binding = 7, std430) readonly buffer DrawnVolume { vec4 drawn_volume[]; };
 layout(push_constant) uniform VolumeLightPush {
     TilePush tile;
     ShadePush shade;
@@ -32,46 +33,7 @@ void visit(uint bases[2], uvec2 near_beams) {
     while (any_bit(near_beams)) {
         uint bit = take_bit(near_beams);
         Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
-        if (beam.medium != view_ray.medium) continue;
-        count(TALLY_TESTS);
-        Crossing c = crossing_of(beam, view_ray.origin, view_ray.direction, view_ray.extent);
-        vec2 part = part_between_ends(beam, c, view_ray.origin, view_ray.direction, view_ray.extent);
-        vec2 seen = seen_part(view_ray) - c.centre;
-        part = vec2(max(part.x, seen.x), min(part.y, seen.y));
-        float ends[MAX_PIECES + 1u];
-        uint count_of_ends = 2u;
-        if (push.volume.scan_plane != 0u) {
-            part = scan_plane_part(beam, c, view_ray.origin, view_ray.direction, part);
-            ends[0] = part.x;
-            ends[1] = part.y;
-        } else if (part.x < part.y) {
-            count_of_ends = side_crossings(c, part, ends);
-        }
-        if (!(part.x < part.y)) continue;
-        for (uint piece = 0u; piece + 1u < count_of_ends; piece++) {
-            vec2 between = vec2(ends[piece], ends[piece + 1u]);
-            float middle = 0.5 * (between.x + between.y);
-            bool inside = push.volume.scan_plane != 0u || is_inside(beam, c, view_ray.origin, view_ray.direction, middle);
-            if (!inside || !(between.x < between.y)) continue;
-            count(TALLY_FRAGMENTS);
-            if ((beam.flags & BEAM_STRADDLES) != 0u) {
-                Section section = section_along(beam, c, middle);
-                vec3 point = view_ray.origin + (c.centre + middle) * view_ray.direction;
-                float before = section.y - dot(section.weights, beam_starts(beam));
-                count(TALLY_RAYS);
-                if (before > 0.0 && is_shadowed(beam, point, point - before * section.way)) {
-                    count(TALLY_SHADOWED);
-                    continue;
-                }
-            }
-            vec3 found = piece_integral(push.shade, push.volume, beam, view_ray, c, between);
-            found *= beam.flux * view_ray.throughput;
-            if (all_finite(found)) {
-                sum += found;
-            } else {
-                count(TALLY_NON_FINITE);
-            }
-        }
+        sum += volume_light(push.shade, push.volume, beam, view_ray);
     }
 }
 
@@ -81,9 +43,16 @@ void main() {
     uint slot = slot_of(push.tile, tile);
     open_tallies();
     open_votes();
+    bool drawn = push.tile.drawn != 0u && slot < view.width * view.rows;
+    if (drawn) {
+        sum = drawn_volume[slot].rgb;
+        count_drawn(drawn_volume[slot].w);
+    }
     for (uint k = 0u; k < view.segments; k++) {
         view_ray.medium = NO_MEDIUM;
         if (slot != NO_SLOT) view_ray = stretch(k, slot, view.width * view.rows * VISIBLE_LAYERS);
+        // Drawn, where the path comes straight from the camera.
+        if (drawn && k == 0u && view_ray.origin == view.position) view_ray.medium = NO_MEDIUM;
         uint found_media;
         shaft = shaft_round(view_ray, found_media);
         traverse(push.tile, found_media);

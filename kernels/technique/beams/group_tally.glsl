@@ -2,7 +2,7 @@
 #include "technique/beams/tally.glsl"
 
 shared uint group_tallies[TALLIES];
-uint own_tallies[TALLIES] = uint[TALLIES](0u, 0u, 0u, 0u, 0u);
+uint own_tallies[TALLIES] = uint[TALLIES](0u, 0u, 0u, 0u, 0u, 0u);
 
 // Before a barrier.
 void open_tallies() {
@@ -11,6 +11,10 @@ void open_tallies() {
 
 void count(uint what) {
     own_tallies[what]++;
+}
+
+void count_drawn(float fragments) {
+    own_tallies[TALLY_DRAWN] += uint(fragments);
 }
 
 // In uniform control flow.

@@ -1,6 +1,7 @@
 // What a beam scatters towards the camera along a stretch of a view ray; one body for all tiers.
 #include "shared/media.glsl"
 #include "shared/segments.glsl"
+#include "technique/beams/volume_push.glsl"
 #include "technique/beams/shade.glsl"
 #include "technique/beams/interval.glsl"
 #include "technique/beams/inverse_area.glsl"
@@ -8,13 +9,6 @@
 const uint INTEGRAL_CLOSED = 0u;   // the area's part in closed form, the rest by two points a step
 const uint INTEGRAL_ADAPTIVE = 1u; // more and more points until the sum stays
 const uint INTEGRAL_MIDPOINT = 2u; // one point, as the paper has it
-
-struct VolumePush {
-    uint scan_plane; // 1: the paper's interval
-    uint integral;
-    uint padding0;
-    uint padding1;
-};
 
 const uint MOST_STEPS = 64u;
 const uint MOST_ROUNDS = 7u;      // of the adaptive integral: 64 steps in the last

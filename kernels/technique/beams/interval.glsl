@@ -133,25 +133,18 @@ vec2 part_between_ends(Beam beam, Crossing c, vec3 origin, vec3 direction, float
     return part;
 }
 
-const uint MAX_PIECES = 7u;
+// Six crossings part a ray into seven pieces at most.
+const uint MOST_PIECES = 7u;
 
-// Ends of the pieces of `part` between the sides' crossings, in order; returns how many ends there are.
-uint side_crossings(Crossing c, vec2 part, out float ends[MAX_PIECES + 1u]) {
-    uint count = 1u;
-    ends[0] = part.x;
+// Where the ray next crosses a side's surface after t.
+float next_side(Crossing c, float t) {
+    float next = 3e38;
     for (uint i = 0u; i < 3u; i++) {
         vec2 found = roots(c.constant[i], c.linear[i], c.square[i]);
-        for (uint r = 0u; r < 2u; r++) {
-            float t = found[r];
-            if (!(t > part.x && t < part.y)) continue;
-            uint place = count;
-            for (; place > 0u && ends[place - 1u] > t; place--) ends[place] = ends[place - 1u];
-            ends[place] = t;
-            count++;
-        }
+        if (found.x > t) next = min(next, found.x);
+        if (found.y > t) next = min(next, found.y);
     }
-    ends[count] = part.y;
-    return count + 1u;
+    return next;
 }
 
 // The paper's interval (section 5.1, after Ernst et al. 2005): a plane through the ray, as nearly parallel to the beam's

@@ -1,13 +1,7 @@
 // How much light a beam brings to a point inside it; one body for all tiers.
 #include "shared/media.glsl"
 #include "technique/beams/section.glsl"
-
-struct ShadePush {
-    float light_angle; // radians that the light subtends where it is seen through the specular surfaces, at least
-    uint smooth_area;  // 1: the area function is interpolated between corners, 0: it is the beam's own
-    uint shadows;      // SHADOW_POINTS or SHADOW_EDGES
-    float soft;        // m before a surface within which volume light fades, 0 for none
-};
+#include "technique/beams/shade_push.glsl"
 
 // The light's size on a plane a way off: no cross-section is smaller, and so no light is infinite (erratum 8).
 float least_area(ShadePush push, float distance) {

@@ -7,7 +7,7 @@ struct TilePush {
     uint capacity; // beams
     uint blocks;   // boxes of blocks, after which those of groups come
     uint listed;   // 1: places are those of an adaptive round
-    uint padding0;
+    uint drawn;    // 1: what the camera sees straight is drawn by a rasteriser
 };
 
 const uint TILE_SIDE = 8u;

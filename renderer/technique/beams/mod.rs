@@ -51,7 +51,7 @@ impl Technique for Beams {
             if new_beams {
                 self.generator.record(frame, recorder, index / self.reuse)?;
             }
-            self.accumulator.record(frame, recorder, index, new_beams)?;
+            self.accumulator.record(frame, recorder, new_beams)?;
         }
         frame.record_caustic(recorder, index)
     }

@@ -4,8 +4,14 @@ use crate::gpu::{Buffer, GpuError};
 use crate::technique::CounterEntry;
 
 /// In the order of `kernels/technique/beams/tally.glsl`.
-const NAMES: [&str; 5] =
-    ["beam_tests", "beam_fragments", "beam_shadow_rays", "beam_shadowed", "beam_fragments_non_finite"];
+const NAMES: [&str; 6] = [
+    "beam_tests",
+    "beam_fragments",
+    "beam_shadow_rays",
+    "beam_shadowed",
+    "beam_fragments_non_finite",
+    "beam_fragments_drawn",
+];
 
 /// Bytes of the buffer: two words a counter.
 pub const BYTES: u64 = 8 * NAMES.len() as u64;

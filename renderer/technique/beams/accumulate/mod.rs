@@ -2,9 +2,10 @@
 
 mod boxes;
 mod counters;
+mod hulls;
 mod options;
 
-pub use options::{Area, Integral, Interval, Options, SETTINGS, Shadows};
+pub use options::{Area, Bounds, Integral, Interval, Options, SETTINGS, Shadows, Tier};
 
 use crate::film::VISIBLE_LAYERS;
 use crate::frame::Frame;
@@ -12,6 +13,7 @@ use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
+use hulls::Hulls;
 
 /// The beams of a sample, wherever they come from.
 #[derive(Clone)]
@@ -30,7 +32,7 @@ crate::gpu_struct! {
         pub capacity: u32,
         pub blocks: u32,
         pub listed: u32,
-        pub padding0: u32,
+        pub drawn: u32,
     }
 }
 
@@ -80,6 +82,9 @@ pub const LAYOUTS: &[Layout] = &[
     VolumeLightPush::LAYOUT,
     boxes::BeamBox::LAYOUT,
     boxes::BoxesPush::LAYOUT,
+    hulls::Hull::LAYOUT,
+    hulls::HullPush::LAYOUT,
+    hulls::ExtrudePush::LAYOUT,
 ];
 
 /// Slots of a tile, 8 x 8.
@@ -94,6 +99,8 @@ pub struct Accumulator {
     tallies: Buffer,
     gather: Kernel,
     volume: Option<(Kernel, VolumePush)>,
+    /// `None` where tiles look for all light.
+    hulls: Option<Hulls>,
     tiles: u32,
     listed: bool,
     footprints: bool,
@@ -119,15 +126,20 @@ impl Accumulator {
             true => Some((Kernel::new(device, "beams/gather_volume", variant)?, volume_push(&options))),
             false => None,
         };
+        let shade = ShadePush {
+            light_angle: options.light_angle,
+            smooth_area: u32::from(options.area == Area::Vertex),
+            shadows: u32::from(options.shadows == Shadows::Edges),
+            soft: options.soft,
+        };
+        let pushes = (shade, volume_push(&options));
+        let hulls = Hulls::new(&options, context, beams, pushes)?;
+        let drawn = hulls::drawn_bindings(device, hulls.as_ref())?;
         Ok(Accumulator {
-            shade: ShadePush {
-                light_angle: options.light_angle,
-                smooth_area: u32::from(options.area == Area::Vertex),
-                shadows: u32::from(options.shadows == Shadows::Edges),
-                soft: options.soft,
-            },
+            shade,
+            hulls,
             beams: beams.clone(),
-            bindings: bindings.and(boxes.bindings()),
+            bindings: bindings.and(boxes.bindings()).and(&drawn),
             boxes,
             tallies,
             gather: Kernel::new(device, "beams/gather", variant)?,
@@ -136,6 +148,11 @@ impl Accumulator {
             listed,
             footprints: options.footprints && !listed,
         })
+    }
+
+    /// What finds the beams.
+    pub fn tier(&self) -> Tier {
+        self.hulls.as_ref().map_or(Tier::Compute, Hulls::tier)
     }
 
     /// Forgets what was counted.
@@ -148,15 +165,20 @@ impl Accumulator {
 
     /// Records how the beams' light comes to the sample's visible points: afterwards the block `SampleIrradiance` holds it,
     /// W/m2, and where the scene scatters `SampleVolume` what comes to the camera from media. `new_beams`: they have changed since the sample before.
-    pub fn record(&self, frame: &Frame, recorder: &mut Recorder, index: u32, new_beams: bool) -> Result<(), GpuError> {
+    pub fn record(&self, frame: &Frame, recorder: &mut Recorder, new_beams: bool) -> Result<(), GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
         if new_beams {
             self.boxes.record(recorder, &bindings)?;
         }
+        if let Some(hulls) = &self.hulls {
+            hulls.record(frame, recorder, &bindings)?;
+        }
+        // Hulls bring light to points, not to what pixels cover.
+        let tile = self.tile_push();
         let push = LightPush {
-            tile: self.tile_push(),
+            tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
             shade: self.shade,
-            jitter: frame.jitter(index),
+            jitter: frame.jitter(),
             footprints: self.footprints.into(),
             padding0: 0,
         };
@@ -174,7 +196,7 @@ impl Accumulator {
             capacity: self.beams.capacity,
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
-            padding0: 0,
+            drawn: u32::from(self.hulls.is_some()),
         }
     }
 

@@ -5,6 +5,21 @@ use crate::technique::{Setting, SettingKind, Settings};
 /// The part of the technique's table that is about accumulation.
 pub const SETTINGS: &[Setting] = &[
     Setting {
+        key: "accumulate",
+        kind: SettingKind::Choice(&["auto", "geometry", "vertices", "compute"]),
+        default: "auto",
+        unit: "",
+        help: "What finds the beams at a pixel: hulls drawn by a rasteriser, made by a geometry stage or by a kernel, or tiles \
+               of pixels that look for theirs; auto: tiles",
+    },
+    Setting {
+        key: "bounds",
+        kind: SettingKind::Choice(&["six", "prism"]),
+        default: "six",
+        unit: "",
+        help: "The hulls: six sides that touch both ends of a beam, or those of a prism cut off by its ends",
+    },
+    Setting {
         key: "area",
         kind: SettingKind::Choice(&["vertex", "beam"]),
         default: "vertex",
@@ -60,6 +75,26 @@ pub const SETTINGS: &[Setting] = &[
     },
 ];
 
+/// What finds the beams at a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tier {
+    /// Hulls that a geometry stage makes.
+    Geometry,
+    /// Hulls that a kernel makes.
+    Vertices,
+    /// Tiles that look for their beams; without graphics.
+    Compute,
+}
+
+/// What a rasteriser draws in a beam's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bounds {
+    /// Six sides, edge by edge (Liktor and Dachsbacher 2011); prisms where that is not certain.
+    Six,
+    /// Prisms (Ernst et al. 2005).
+    Prism,
+}
+
 /// Where a beam's density comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Area {
@@ -98,6 +133,9 @@ pub enum Integral {
 /// How beams are accumulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
+    /// `None`: [`Tier::Compute`], which was the quickest on both software drivers.
+    pub tier: Option<Tier>,
+    pub bounds: Bounds,
     pub area: Area,
     pub shadows: Shadows,
     /// What a pixel covers, not its point.
@@ -114,6 +152,13 @@ impl Options {
     /// As the settings say, which hold [`SETTINGS`].
     pub fn of(settings: &Settings) -> Self {
         Options {
+            tier: match settings.choice("accumulate") {
+                "geometry" => Some(Tier::Geometry),
+                "vertices" => Some(Tier::Vertices),
+                "compute" => Some(Tier::Compute),
+                _ => None,
+            },
+            bounds: if settings.choice("bounds") == "prism" { Bounds::Prism } else { Bounds::Six },
             area: if settings.choice("area") == "beam" { Area::Beam } else { Area::Vertex },
             shadows: if settings.choice("shadows") == "edges" { Shadows::Edges } else { Shadows::Points },
             interval: if settings.choice("interval") == "scan-plane" { Interval::ScanPlane } else { Interval::Exact },
@@ -132,6 +177,8 @@ impl Options {
 impl Default for Options {
     fn default() -> Self {
         Options {
+            tier: None,
+            bounds: Bounds::Six,
             area: Area::Vertex,
             shadows: Shadows::Points,
             footprints: true,
