@@ -183,8 +183,12 @@ impl LightViews {
     pub fn record(&self, recorder: &mut Recorder, bindings: &Bindings) -> Result<(), GpuError> {
         let all = [bindings, &self.bindings];
         for index in 0..self.views.len() as u32 {
-            let push =
-                |instance| LightViewPush { view: index, instance, rastered: u32::from(self.raster.is_some()), padding0: 0 };
+            let push = |instance| LightViewPush {
+                view: index,
+                instance,
+                rastered: u32::from(self.raster.is_some()),
+                padding0: 0,
+            };
             if let Some(RasterTier { raster, targets, ids }) = &self.raster {
                 for (layer, draws) in (0u64..).zip(&self.draws) {
                     let items: Vec<_> = draws.iter().map(|&(instance, vertices)| (push(instance), vertices)).collect();

@@ -224,12 +224,7 @@ impl Generator {
     }
 
     /// The same for a scene, camera or lights that have changed.
-    pub fn restart(
-        &mut self,
-        settings: &Settings,
-        context: &Context<'_>,
-        views: &LightViews,
-    ) -> Result<(), GpuError> {
+    pub fn restart(&mut self, settings: &Settings, context: &Context<'_>, views: &LightViews) -> Result<(), GpuError> {
         // The old buffers go before there are new ones: both would be twice the memory.
         self.bindings = Bindings::new();
         *self = Self::with(settings, self.kernels.clone(), context, views)?;

@@ -74,7 +74,8 @@ impl Technique for Beams {
         if !self.generator.has_light() {
             return Ok(vec!["no light reaches a specular object, so there is no caustic light".to_string()]);
         }
-        let dropped = self.counters()?.into_iter().filter(|entry| entry.value > 0.0 && entry.name.ends_with("_dropped"));
+        let dropped =
+            self.counters()?.into_iter().filter(|entry| entry.value > 0.0 && entry.name.ends_with("_dropped"));
         Ok(dropped
             .map(|entry| {
                 let what = entry.name.trim_end_matches("_dropped");

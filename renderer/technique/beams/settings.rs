@@ -89,13 +89,7 @@ const GENERATION: &[Setting] = &[
         unit: "",
         help: "Difference of two edges' lengths over the shorter that makes a discontinuity",
     },
-    Setting {
-        key: "split_energy",
-        kind: ON_OFF,
-        default: "on",
-        unit: "",
-        help: "Split beams that focus light",
-    },
+    Setting { key: "split_energy", kind: ON_OFF, default: "on", unit: "", help: "Split beams that focus light" },
     Setting {
         key: "convergence",
         kind: SettingKind::Number { min: -10.0, max: 1.0 },
@@ -138,13 +132,7 @@ const GENERATION: &[Setting] = &[
         unit: "",
         help: "Difference of the light's power at two edges over the larger above which its pattern splits a beam",
     },
-    Setting {
-        key: "split_deviation",
-        kind: ON_OFF,
-        default: "on",
-        unit: "",
-        help: "Split beams whose sides bend",
-    },
+    Setting { key: "split_deviation", kind: ON_OFF, default: "on", unit: "", help: "Split beams whose sides bend" },
     Setting {
         key: "deviation",
         kind: SettingKind::Number { min: 0.001, max: 1000.0 },
