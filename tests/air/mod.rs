@@ -109,7 +109,7 @@ fn lamp(light: &Light, point: DVec3) -> Lamp {
     };
     match light.emitter {
         Emitter::Point { position, intensity } => from(position, intensity),
-        Emitter::Spot { position, direction, intensity, inner, outer } => {
+        Emitter::Spot { position, direction, intensity, inner, outer, .. } => {
             let lamp = from(position, intensity);
             let cosine = -lamp.way.dot(direction.as_dvec3());
             let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
