@@ -52,9 +52,9 @@ crate::gpu_struct! {
         pub reach: f32,
         pub ledger_unit: f32,
         pub extent: f32,
+        pub margin: u32,
+        pub buffered: u32,
         pub padding0: u32,
-        pub padding1: u32,
-        pub padding2: u32,
     }
 }
 
@@ -295,7 +295,7 @@ impl Generator {
             scan_totals,
             sizes,
             settings: numbers,
-            jittered: settings.choice("jitter") == "on",
+            jittered: jitters(settings),
             smooth_area: settings.choice("area") == "vertex",
             seed: random::combine(context.seed, 0x6265_616d),
         })
@@ -448,10 +448,15 @@ fn numbers(settings: &Settings, context: &Context<'_>, views: u32) -> BeamSettin
         reach: context.scene.reach(),
         ledger_unit: (most_flux(context.scene) / LEDGER_UNITS).max(f32::MIN_POSITIVE),
         extent: settings.number("extent"),
+        margin: jitters(settings).into(),
+        buffered: (settings.choice("light") != "rays").into(),
         padding0: 0,
-        padding1: 0,
-        padding2: 0,
     }
+}
+
+/// Whether lattices move from set to set: not over texels that stay.
+fn jitters(settings: &Settings) -> bool {
+    settings.choice("jitter") == "on" && settings.choice("light") == "rays"
 }
 
 /// The bits of `RULE_*` in `common.glsl`.
