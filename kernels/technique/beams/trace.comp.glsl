@@ -89,6 +89,10 @@ void main() {
                                   NO_INSTANCE, 0u, 0u);
     vec2 chart = lattice_chart(v, vec2(place.column, place.row), push.jitter);
     light_ray(v, chart, first.position, first.direction);
+    if (v.perspective == 0u) {
+        // It has come through all of the medium that lies before the plane on which the view starts.
+        first.throughput = transmittance(first.medium, first.position, -first.direction, FAR_AWAY);
+    }
 
     // The first turn is the light's own ray.
     for (uint turn = 0u; turn <= settings.sheets; turn++) {

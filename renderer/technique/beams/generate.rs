@@ -202,7 +202,7 @@ impl Kernels {
 /// Makes sets of beams for one scene and camera.
 pub struct Generator {
     kernels: Kernels,
-    bindings: Bindings,
+    pub(super) bindings: Bindings,
     pub beams: BeamBuffers,
     state: Buffer,
     lattice_map: Buffer,

@@ -3,6 +3,7 @@
 pub mod accumulate;
 pub mod beam;
 pub mod generate;
+pub mod inspect;
 mod settings;
 
 pub use settings::SETTINGS;
