@@ -12,22 +12,24 @@ layout(push_constant) uniform BoxesPush {
     uint boxes;    // to make
 } push;
 
-void add(inout BeamBox box, vec3 low, vec3 high, uint beams, uint media) {
-    box.low = min(box.low, low);
-    box.high = max(box.high, high);
-    box.beams += beams;
-    box.media |= media;
+void add(inout BeamBox box, BeamBox part) {
+    box.start_low = min(box.start_low, part.start_low);
+    box.start_high = max(box.start_high, part.start_high);
+    box.end_low = min(box.end_low, part.end_low);
+    box.end_high = max(box.end_high, part.end_high);
+    box.beams += part.beams;
+    box.media |= part.media;
 }
 
 void main() {
     uint index = linear_index();
     if (index >= push.boxes) return;
-    BeamBox box = BeamBox(vec3(3e38), 0u, vec3(-3e38), 0u);
+    BeamBox box = BeamBox(vec3(3e38), 0u, vec3(-3e38), 0u, vec3(3e38), 0.0, vec3(-3e38), 0.0);
     if (push.groups != 0u) {
         uint last = min((index + 1u) * GROUP_BLOCKS, push.blocks);
         for (uint block = index * GROUP_BLOCKS; block < last; block++) {
             BeamBox part = beam_boxes[block];
-            if (part.beams > 0u) add(box, part.low, part.high, part.beams, part.media);
+            if (part.beams > 0u) add(box, part);
         }
         beam_boxes[push.blocks + index] = box;
         return;
@@ -40,9 +42,13 @@ void main() {
             tally(TALLY_NON_FINITE, 1u);
             continue;
         }
-        vec3 low, high;
-        box_of_range(beam, beam_range(beam), low, high);
-        add(box, low, high, 1u, medium_bit(beam.medium));
+        vec2 range = beam_range(beam);
+        BeamBox own = box;
+        own.beams = 1u;
+        own.media = medium_bit(beam.medium);
+        box_of_range(beam, range.xx, own.start_low, own.start_high);
+        box_of_range(beam, range.yy, own.end_low, own.end_high);
+        add(box, own);
     }
     beam_boxes[index] = box;
 }

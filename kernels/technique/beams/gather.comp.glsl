@@ -17,7 +17,7 @@ layout(push_constant) uniform LightPush {
     ShadePush shade;
     vec2 jitter;     // of the sample in its pixel
     uint footprints; // 1: what pixels cover, 0: their points
-    uint padding0;
+    uint parts;      // PARTS
 } push;
 
 // Eight invocations in a row are a part of the tile of four by two pixels, which sees fewer beams than the tile.
@@ -88,7 +88,7 @@ bool meet(vec3 low, vec3 high, Box other) {
 }
 
 bool near_box(BeamBox beams_box) {
-    return meet(beams_box.low, beams_box.high, box);
+    return beams_meet_box(beams_box, box.low, box.high);
 }
 
 // By a box round the part of the beam at the heights along it of what is in `other`.
@@ -109,8 +109,8 @@ bool near_beam(Beam beam) {
     return comes_near(beam, box);
 }
 
-// Where the beam's light that falls into the pixel arrives, and what it brings.
-bool light_on_footprint(Beam beam, out Section section, out vec3 at, out vec3 start, out vec3 light) {
+// Where the beam's light that falls into the pixel arrives, and how much of it, 1/m2.
+bool meets_footprint(Beam beam, out Section section, out vec3 at, out float density) {
     if (beam.medium != point.medium) return false;
     count(TALLY_TESTS);
     Covered covered;
@@ -120,10 +120,10 @@ bool light_on_footprint(Beam beam, out Section section, out vec3 at, out vec3 st
     section.y = dot(w, covered.heights);
     section.way = w.x * beam.corners[0].way + w.y * beam.corners[1].way + w.z * beam.corners[2].way;
     section.area = section_area(beam, section.y);
-    at = vec3(0.0);
-    for (uint i = 0u; i < 3u; i++) at += w[i] * (beam.corners[i].origin + covered.heights[i] * beam.corners[i].way);
-    float density = covered.part / footprint.area;
-    light = beam_on_area(push.shade, beam, section, at, density, shading, geometric, start);
+    at = w.x * (beam.corners[0].origin + covered.heights.x * beam.corners[0].way) +
+         w.y * (beam.corners[1].origin + covered.heights.y * beam.corners[1].way) +
+         w.z * (beam.corners[2].origin + covered.heights.z * beam.corners[2].way);
+    density = density_on_area(section, covered.part / footprint.area, shading, geometric);
     return section.y <= beam_range(beam).y;
 }
 
@@ -132,7 +132,8 @@ void visit(uint bases[2], uvec2 near_beams) {
     uint own = lane / 32u == 0u ? near_beams.x : near_beams.y;
     if ((own >> (lane % 32u) & 1u) != 0u) {
         Beam beam = beams[bases[lane / BLOCK_BEAMS] + lane % BLOCK_BEAMS];
-        for (uint part = 0u; part < PARTS; part++) {
+        // The bound is the device's to read: unrolled, this loop took lavapipe half a minute to compile.
+        for (uint part = 0u; part < push.parts; part++) {
             if (comes_near(beam, part_box(part))) atomicOr(part_beams[part][lane / 32u], 1u << (lane % 32u));
         }
     }
@@ -146,13 +147,16 @@ void visit(uint bases[2], uvec2 near_beams) {
         if (!here) continue;
         Section section;
         vec3 at = point.position;
-        vec3 start, light;
+        vec3 start;
+        float density;
+        // Both ways meet again before the expensive part, so that it is compiled once.
         if (footprint.known) {
-            if (!light_on_footprint(beam, section, at, start, light)) continue;
+            if (!meets_footprint(beam, section, at, density)) continue;
         } else {
             if (!holds_point(beam, point, section)) continue;
-            light = beam_irradiance(push.shade, beam, section, at, shading, geometric, start);
+            density = density_at_point(push.shade, beam, section, shading, geometric);
         }
+        vec3 light = arriving_light(push.shade, beam, section, at, density, start);
         sum += unshadowed(push.shade, beam, section, at, start, light);
     }
 }

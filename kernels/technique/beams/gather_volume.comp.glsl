@@ -22,7 +22,7 @@ Shaft shaft;      // round the tile's
 vec3 sum = vec3(0.0);
 
 bool near_box(BeamBox box) {
-    return box_meets_shaft(box.low, box.high, shaft);
+    return box_meets_shaft(min(box.start_low, box.end_low), max(box.start_high, box.end_high), shaft);
 }
 
 bool near_beam(Beam beam) {

@@ -38,30 +38,29 @@ float way_since_start(Beam beam, Section section) {
     return (section.y - dot(section.weights, beam_starts(beam))) * length(section.way);
 }
 
-// The light that a part of the beam's flux, per m2 of the face, brings to a surface with these normals, W/m2, if nothing is
-// in its way; `start` is where it leaves the specular surface.
-vec3 beam_on_area(ShadePush push, Beam beam, Section section, vec3 point, float density, vec3 shading, vec3 geometric,
-                  out vec3 start) {
-    vec3 direction = normalize(section.way);
-    float before = way_since_start(beam, section);
-    start = point - before * direction;
-    float cosine = -dot(direction, shading);
-    float face = -dot(direction, geometric);
-    if (before <= 0.0 || cosine <= 0.0 || face <= 0.0) return vec3(0.0);
-    // Flux over area goes by the face; irradiance, like direct light's, goes by the shading normal.
-    float turned = min(cosine / face, MAX_COSINE_RATIO);
-    float weight = beam_weight(push, beam, section);
-    return beam.flux * (density * weight * turned) * transmittance(beam.medium, start, direction, before);
+// Irradiance at a point that the beam holds, per W of the beam on average over its cross-section; 0 where it arrives from
+// behind. Across the beam's planes the light's cosine is 1 / |way| (erratum 9).
+float density_at_point(ShadePush push, Beam beam, Section section, vec3 shading, vec3 geometric) {
+    float cosine = -dot(section.way, shading);
+    if (cosine <= 0.0 || dot(section.way, geometric) >= 0.0) return 0.0;
+    return cosine / max(abs(section.area), least_area(push, way_since_start(beam, section)));
 }
 
-// The beam's light on a surface with these normals, W/m2, if nothing is in its way; `start` is where it leaves the
-// specular surface. Across the beam's planes the light's cosine is 1 / |way| (erratum 9).
-vec3 beam_irradiance(ShadePush push, Beam beam, Section section, vec3 point, vec3 shading, vec3 geometric, out vec3 start) {
+// The same for an area of which a part of the beam's light falls on every m2. Flux over area goes by the face; irradiance,
+// like direct light's, goes by the shading normal.
+float density_on_area(Section section, float part_per_area, vec3 shading, vec3 geometric) {
+    float cosine = -dot(section.way, shading);
+    float face = -dot(section.way, geometric);
+    return cosine <= 0.0 || face <= 0.0 ? 0.0 : part_per_area * min(cosine / face, MAX_COSINE_RATIO);
+}
+
+// The beam's light of that density at a point, W/m2, if nothing is in its way; `start` is where it leaves the specular
+// surface.
+vec3 arriving_light(ShadePush push, Beam beam, Section section, vec3 point, float density, out vec3 start) {
     vec3 direction = normalize(section.way);
     float before = way_since_start(beam, section);
     start = point - before * direction;
-    float cosine = -dot(section.way, shading);
-    if (before <= 0.0 || cosine <= 0.0 || dot(section.way, geometric) >= 0.0) return vec3(0.0);
-    float density = beam_weight(push, beam, section) / max(abs(section.area), least_area(push, before));
-    return beam.flux * density * cosine * transmittance(beam.medium, start, direction, before);
+    if (before <= 0.0 || density <= 0.0) return vec3(0.0);
+    return beam.flux * (density * beam_weight(push, beam, section)) *
+           transmittance(beam.medium, start, direction, before);
 }

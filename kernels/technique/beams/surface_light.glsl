@@ -32,7 +32,8 @@ vec3 unshadowed(ShadePush push, Beam beam, Section section, vec3 at, vec3 start,
 // W/m2, at a point that the beam holds.
 vec3 surface_light(ShadePush push, Beam beam, VisiblePoint point, Section section) {
     vec3 start;
-    vec3 found = beam_irradiance(push, beam, section, point.position, unpack_direction(point.normal),
-                                 unpack_direction(point.geometric), start);
+    float density = density_at_point(push, beam, section, unpack_direction(point.normal),
+                                     unpack_direction(point.geometric));
+    vec3 found = arriving_light(push, beam, section, point.position, density, start);
     return unshadowed(push, beam, section, point.position, start, found);
 }

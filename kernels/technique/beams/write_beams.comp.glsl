@@ -53,7 +53,7 @@ void main() {
     bool used = sheet < settings.sheets && sheet_counts[sheet] > 0u && index < state.leaves;
     BeamLeaf leaf = beam_leaves[used ? index : 0u];
     BeamEdges e = edges_of(leaf, used ? sheet : 0u);
-    used = used && e.drawn;
+    used = used && brings_light(e);
     uint before = place_in_block(used);
     if (!used) return;
     uint at = block_sums[group] + before;

@@ -70,7 +70,7 @@ crate::gpu_struct! {
         pub shade: ShadePush,
         pub jitter: [f32; 2],
         pub footprints: u32,
-        pub padding0: u32,
+        pub parts: u32,
     }
 }
 
@@ -180,7 +180,7 @@ impl Accumulator {
             shade: self.shade,
             jitter: frame.jitter(),
             footprints: self.footprints.into(),
-            padding0: 0,
+            parts: TILE_SIDE,
         };
         let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
         recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
