@@ -10,7 +10,7 @@ use super::error::{SceneError, io_reason};
 use super::value::{Limit, Node, QUANTITY, Source, Table};
 use super::{
     Animation, Emitter, FilmSettings, Light, Medium, MediumId, Scene, ToneCurve, camera, density, light, material,
-    object,
+    object, technique,
 };
 
 /// Pixels a side: one layer of four floats a pixel fills 4 GiB then.
@@ -57,7 +57,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
 fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneError> {
     let source = Source { path, text };
     let document = DeTable::parse(text).map_err(|error| syntax_error(source, &error))?;
-    let keys = ["film", "animation", "camera", "medium", "material", "object", "light"];
+    let keys = ["film", "animation", "camera", "medium", "material", "object", "light", "technique"];
     let root = Table::root(source, document.get_ref(), &keys)?;
 
     let mut scene = empty_scene(path);
@@ -81,6 +81,9 @@ fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneErr
         light::read(&node, &mut scene)?;
     }
     object::read_all(&tables(&root, "object")?, &mut scene)?;
+    if let Some(node) = root.get("technique") {
+        technique::read(&node, &mut scene)?;
+    }
 
     if scene.cameras.is_empty() {
         root.need("camera", "at least one [[camera]]")?;
@@ -139,6 +142,7 @@ fn empty_scene(path: &Path) -> Scene {
         media: vec![air],
         lights: Vec::new(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }
