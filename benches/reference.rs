@@ -1,8 +1,8 @@
 //! The reference's way to the truth: error, energy and CPU seconds at every doubling of the samples.
 //!
 //! `cargo bench --bench reference` renders the pool as the tests do. `-- --truth T.exr --mask M.png --size 480x360
-//! --samples 256` holds it against another truth of the same scene. Prints a table and writes
-//! `target/bench/reference.json`.
+//! --samples 256` holds it against another truth of the same scene, and `--layer caustic_volume` with `--scene` and `--truth`
+//! light in volumes. Prints a table and writes `target/bench/reference.json`.
 
 #[path = "report/mod.rs"]
 mod report;

@@ -221,6 +221,7 @@ fn water() -> Scene {
         media: Vec::new(),
         lights: Vec::new(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }

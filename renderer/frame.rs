@@ -203,8 +203,6 @@ impl Frame {
     /// # Errors
     /// Those of the device. After an adaptive pilot the host reads back how much pixels vary.
     pub fn record(&mut self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
-        // One jitter for all pixels: the raster can shift its projection only as a whole. Each pixel sees the whole
-        // (0,2)-sequence all the same.
         let listed = self.adaptive.is_some().into();
         let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
         self.jitter = sample.jitter;

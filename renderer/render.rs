@@ -44,7 +44,7 @@ pub struct RenderSettings {
     pub frame: u32,
     /// Find motion vectors too, a layer of the picture; see [`MotionVectors::find`].
     pub motion: bool,
-    /// `technique.key=value`.
+    /// `technique.key=value`; what the scene sets holds for the rest.
     pub set: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ impl Renderer {
         if settings.samples == Some(0) {
             return Err(RenderError::Samples { found: 0 });
         }
-        let technique = Settings::parse(settings.technique, &settings.set)?;
+        let technique = Settings::of(settings.technique, scene, &settings.set)?;
         if settings.adaptive && !settings.technique.per_sample(&technique) {
             return Err(RenderError::NotAdaptive { technique: settings.technique.name() });
         }
@@ -286,7 +286,7 @@ impl Renderer {
 
     /// Renders by another technique, or the same with other settings, and forgets all samples.
     pub fn set_technique(&mut self, kind: TechniqueKind, set: &[String]) -> Result<(), RenderError> {
-        let settings = Settings::parse(kind, set)?;
+        let settings = Settings::of(kind, &self.scene, set)?;
         if self.sampling != Sampling::Uniform && !kind.per_sample(&settings) {
             return Err(RenderError::NotAdaptive { technique: kind.name() });
         }

@@ -27,6 +27,8 @@ const RESOLUTION: u32 = 257;
 const MIDPOINT: f64 = 1e-4;
 /// Relative: emission cells reach past what they cover by a fine cell.
 const CELLS: f64 = 2e-3;
+/// Relative: half a texel in 64 is grey where white ends.
+const HALF: f64 = 0.02;
 
 /// Water far wider than the cone, 2 m below the light.
 const WATER: &str = r#"
@@ -93,6 +95,17 @@ fn flux(request: &Request) {
             assert!((found[channel] / expected[channel] - 1.0).abs() < MIDPOINT, "{light} channel {channel}");
             assert!((f64::from(host[channel]) / expected[channel] - 1.0).abs() < CELLS, "{light} cells {channel}");
         }
+    }
+    // Water under the image's left half alone.
+    let half = WATER.replace("size = [40, 30]", "size = [40, 30]\ncentre = [-20, 0, 0]");
+    let slide = "outer = 50\ninner = 20\nimage = \"i.png\"\nup = [0, 0, -1]";
+    let straight = spot.replace("[0.3, 0, 0.1]", "[0, 0, 0]");
+    let host = emission(&parse(&format!("{half}[[light]]\nname = \"l\"\n{straight}\n{slide}\n")), 4096).flux[0];
+    for channel in 0..3 {
+        let expected = 0.5 * (channel + 1) as f64 * cone(20.0, 50.0);
+        let ratio = f64::from(host[channel]) / expected;
+        println!("the image's left half, channel {channel}: {ratio} of what is white");
+        assert!((ratio - 1.0).abs() < HALF, "channel {channel}: {ratio}");
     }
     assert_valid(&device);
 }

@@ -21,7 +21,7 @@ const DEPTH: f64 = 1e-4;
 /// Barycentrics: rays nearer than this to an edge may meet the neighbour, or nothing.
 const EDGE: f64 = 1e-3;
 /// Of the texels, those at which raster and rays may differ: edges are drawn to 1/256 of a texel on each side.
-const TIES: f64 = 0.02;
+const TIES: f64 = 0.005;
 
 fn main() -> ExitCode {
     common::run(&[

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use nephroid::scene::{Emitter, SceneError, Surface, ToneCurve, load, parse};
+use nephroid::technique::{Settings, TechniqueKind};
 use scene_text::{check_sentence, read};
 
 /// Line numbers in the sentences below count from the first line here.
@@ -93,7 +94,7 @@ fn each_wrong_value_has_its_sentence() {
         (
             "[film]",
             "[flim]",
-            "bad.toml:1: unknown key `flim` in the scene file; allowed: film, animation, camera, medium, material, object, light",
+            "bad.toml:1: unknown key `flim` in the scene file; allowed: film, animation, camera, medium, material, object, light, technique",
         ),
         (
             "size = [4, 4]",
@@ -238,6 +239,45 @@ fn each_wrong_value_has_its_sentence() {
 }
 
 #[test]
+fn settings_of_techniques_are_read_and_refused_by_their_tables() {
+    let levels = TechniqueKind::Beams.settings().iter().find(|setting| setting.key == "levels").unwrap();
+    let keys = TechniqueKind::Beams.settings().iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
+    let names = TechniqueKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+    let cases = [
+        ("levels = 99", format!("`technique.beams.levels` is 99; allowed: {}", levels.kind.allowed())),
+        ("levels = 2.5", format!("`technique.beams.levels` is 2.5; allowed: {}", levels.kind.allowed())),
+        ("levels = [1, 2]", format!("`technique.beams.levels` is the list [1, 2]; allowed: {}", levels.kind.allowed())),
+        ("convergence = nan", "`technique.beams.convergence` is nan; allowed: a number from -10 to 1".to_string()),
+        ("jitter = true", "`technique.beams.jitter` is true; allowed: one of on, off".to_string()),
+        ("jitter = \"maybe\"", "`technique.beams.jitter` is the text \"maybe\"; allowed: one of on, off".to_string()),
+        ("level = 4", format!("unknown key `level` in [technique.beams]; allowed: {keys}")),
+    ];
+    let line = 1 + SOUND.lines().count() + 1;
+    for (text, expected) in cases {
+        let error = read(&format!("{SOUND}[technique.beams]\n{text}\n")).unwrap_err();
+        assert_eq!(error.to_string(), format!("bad.toml:{line}: {expected}"));
+    }
+    let error = read(&format!("{SOUND}[technique.beam]\nlevels = 4\n")).unwrap_err().to_string();
+    assert_eq!(error, format!("bad.toml:{}: unknown key `beam` in [technique]; allowed: {names}", line - 1));
+    assert!(read(&format!("{SOUND}[technique]\nbeams = 4\n")).unwrap_err().to_string().contains("allowed: a table"));
+}
+
+#[test]
+fn a_scenes_settings_are_defaults_that_the_command_line_wins_over() {
+    let text = format!(
+        "{SOUND}[technique.reference]\nalpha = 0.5\n[technique.beams]\nlevels = 3\nconvergence = 1e-3\njitter = \"off\"\n"
+    );
+    let scene = read(&text).unwrap();
+    let settings = Settings::of(TechniqueKind::Beams, &scene, &["beams.levels=4".to_string()]).unwrap();
+    assert_eq!((settings.integer("levels"), settings.choice("jitter")), (4, "off"));
+    assert_eq!(settings.number("convergence"), 1e-3);
+    let of = |key| TechniqueKind::Beams.settings().iter().find(|setting| setting.key == key).unwrap().default;
+    assert_eq!(settings.integer("grid").to_string(), of("grid"), "what neither says is the table's");
+    assert_eq!(Settings::of(TechniqueKind::Reference, &scene, &[]).unwrap().number("alpha"), 0.5);
+    assert_eq!(Settings::of(TechniqueKind::Beams, &read(SOUND).unwrap(), &[]).unwrap().choice("jitter"), of("jitter"));
+}
+
+#[test]
 fn a_scene_without_camera_or_object_is_refused() {
     let (camera, rest) = SOUND.split_once("[[medium]]").unwrap();
     let (film, _) = camera.split_once("[[camera]]").unwrap();
@@ -272,8 +312,11 @@ fn no_prefix_or_damage_of_a_scene_makes_the_reader_panic() {
 /// A scene whose last table holds the key `unknown`, and the heading of `FORMAT.md` that lists that table's keys.
 const TABLES: &[(&str, &str)] = &[
     ("[film]", "## `[film]`"),
+    ("[technique]", "## `[technique]`"),
     ("[[camera]]", "## `[[camera]]`"),
     ("[[medium]]", "## `[[medium]]`"),
+    ("[[medium]]\nname = \"m\"\nindex = 1\n[medium.density]\nfile = \"f\"", "### `density` of a `file`"),
+    ("[[medium]]\nname = \"m\"\nindex = 1\n[medium.density]\nkind = \"noise\"", "### `density` by `noise`"),
     ("[[material]]\nkind = \"diffuse\"", "### `diffuse`"),
     ("[[material]]\nkind = \"dielectric\"", "### `dielectric`"),
     ("[[material]]\nkind = \"mirror\"", "### `mirror`"),

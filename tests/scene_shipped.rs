@@ -6,7 +6,19 @@ use nephroid::scene::adjacency::Adjacency;
 use nephroid::scene::animation::WaterMotion;
 use nephroid::scene::{Emitter, Instance, Scene, Surface, load};
 
-const SHIPPED: [&str; 7] = ["flat_water", "pool", "ripples", "lagoon", "glass_sphere", "cornell_flooded", "cup"];
+const SHIPPED: [&str; 11] = [
+    "flat_water",
+    "pool",
+    "turbid_pool",
+    "ripples",
+    "lagoon",
+    "glass_sphere",
+    "water_sphere",
+    "smoke",
+    "skull",
+    "cornell_flooded",
+    "cup",
+];
 
 /// Half a unit in the last of the eight digits that the pool's reference mesh was written with, and one of f32.
 const TOLERANCE: f32 = 2e-7;
@@ -135,11 +147,11 @@ fn flat_water_is_one_square_at_height_zero() {
 }
 
 #[test]
-fn pool_lagoon_and_ripples_move_and_begin_as_they_are_loaded() {
+fn pools_lagoon_and_ripples_move_and_begin_as_they_are_loaded() {
     for name in SHIPPED {
         let mut scene = shipped(name);
         let animation = scene.animation.clone();
-        assert_eq!(animation.moves(), ["pool", "lagoon", "ripples"].contains(&name), "{name}");
+        assert_eq!(animation.moves(), ["pool", "turbid_pool", "lagoon", "ripples"].contains(&name), "{name}");
         let loaded = scene.clone();
         animation.pose(&mut scene, 3.7);
         animation.pose(&mut scene, animation.time(0));
@@ -190,4 +202,36 @@ fn the_ripples_are_simulated_in_few_steps() {
     let seconds = animation.time(animation.frames.unwrap());
     // Three drops by name, and three of rain a second.
     assert_eq!((seconds, simulation.drops_between(&water.field, 0.0, seconds).len()), (8.0, 27));
+}
+
+#[test]
+fn the_turbid_pool_is_the_pool_with_other_water() {
+    let [clear, turbid] = ["pool", "turbid_pool"].map(shipped);
+    assert_eq!(clear.lights, turbid.lights);
+    assert_eq!(clear.animation.waters, turbid.animation.waters);
+    let water = |scene: &Scene| scene.meshes[instance(scene, "water").mesh].positions.clone();
+    assert_eq!(water(&clear), water(&turbid));
+}
+
+#[test]
+fn scenes_with_shafts_have_a_medium_that_scatters_where_light_is_gathered() {
+    for (name, medium) in [("water_sphere", "water"), ("turbid_pool", "water"), ("smoke", "smoke")] {
+        let scene = shipped(name);
+        let scatters = |at: usize| scene.media[at].name == medium && scene.media[at].scattering.min_element() > 0.0;
+        assert!(scatters(scene.cameras[0].medium), "{name}: the first camera looks through it");
+    }
+}
+
+#[test]
+fn the_skull_is_closed_and_as_large_as_told() {
+    let scene = shipped("skull");
+    let mesh = &scene.meshes[instance(&scene, "skull").mesh];
+    assert_eq!(Adjacency::of(mesh).boundary_edges, 0);
+    let (mut low, mut high) = (glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY);
+    mesh.positions.iter().for_each(|&p| (low, high) = (low.min(p), high.max(p)));
+    assert!((high.y - low.y - 1.9).abs() < 0.1 && (high.x + low.x).abs() < 0.02, "{low} {high}");
+    // Six times the volume that the faces enclose, positive where they face outward.
+    let corner = |triangle: &[u32; 3]| triangle.map(|vertex| mesh.positions[vertex as usize]);
+    let volume: f32 = mesh.triangles.iter().map(corner).map(|[a, b, c]| a.dot(b.cross(c))).sum::<f32>() / 6.0;
+    assert!((1.5..1.9).contains(&volume), "{volume} m3");
 }

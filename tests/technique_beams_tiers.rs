@@ -24,6 +24,9 @@ fn main() -> ExitCode {
     ])
 }
 
+/// Light at points, which is what hulls bring.
+const POINTS: Options = Options { footprints: false, ..Options::DEFAULT };
+
 /// RMS difference over the RMS value. Both tiers run the same code on the same points, so what differs is the order of a
 /// sum; a pixel that a hull does not cover is far more.
 const TIERS: f64 = 1e-3;
@@ -60,12 +63,12 @@ fn seen(request: &Request, scene: Scene, beams: &[Beam], options: Options, sampl
 
 /// Every tier against tiles; returns the fragments drawn of each kind of hull.
 fn compare(request: &Request, scene: &dyn Fn() -> Scene, beams: &[Beam]) -> [f64; 2] {
-    let truth = seen(request, scene(), beams, Options::default(), 3);
+    let truth = seen(request, scene(), beams, POINTS, 3);
     assert_eq!(truth.drawn, 0.0);
     let mut drawn = [0.0; 2];
     for tier in [Tier::Geometry, Tier::Vertices] {
         for (index, bounds) in [Bounds::Six, Bounds::Prism].into_iter().enumerate() {
-            let options = Options { tier: Some(tier), bounds, ..Default::default() };
+            let options = Options { tier: Some(tier), bounds, ..POINTS };
             let found = seen(request, scene(), beams, options, 3);
             let surfaces = relative(&found.irradiance, &truth.irradiance);
             println!("{tier:?} {bounds:?}: surfaces {surfaces:.1e}, {} fragments", found.drawn);
@@ -76,7 +79,9 @@ fn compare(request: &Request, scene: &dyn Fn() -> Scene, beams: &[Beam]) -> [f64
                 assert!(volume < TIERS, "{tier:?} {bounds:?}: {volume}");
             }
             assert!(found.drawn > 0.0);
-            assert!(drawn[index] == 0.0 || drawn[index] == found.drawn, "both tiers draw the same");
+            // The same hulls, but for what compilers make of them.
+            let same = (drawn[index] - found.drawn).abs() <= 1e-3 * found.drawn;
+            assert!(drawn[index] == 0.0 || same, "{} and {} fragments", drawn[index], found.drawn);
             drawn[index] = found.drawn;
         }
     }
@@ -114,7 +119,7 @@ fn mirrors(request: &Request) {
 }
 
 fn switched_off(request: &Request) {
-    let options = Options { tier: Some(Tier::Geometry), ..Default::default() };
+    let options = Options { tier: Some(Tier::Geometry), ..POINTS };
     let stage = Stage::new(request, parse(FLOOR), (8, 6), Sampling::Uniform);
     assert_eq!(stage.accumulator(&many_beams(), options).tier(), Tier::Compute);
 }

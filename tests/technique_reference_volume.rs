@@ -266,13 +266,13 @@ fn path_classes(request: &Request) {
     let energy = |paths: &str| {
         let set = [
             &format!("reference.paths={paths}"),
-            "reference.photons=10000",
-            "reference.volume_photons=200000",
+            "reference.photons=5000",
+            "reference.volume_photons=50000",
             "reference.reuse=1",
         ];
         let picture = request.render(foggy_ball(), |s| {
-            s.size = Some((24, 18));
-            s.samples = Some(8);
+            s.size = Some((16, 12));
+            s.samples = Some(4);
             s.set = set.iter().map(|s| s.to_string()).collect();
         });
         layer(&picture.image, "caustic_volume").iter().map(|p| f64::from(p[1])).sum::<f64>()
@@ -324,10 +324,10 @@ fn ledger(request: &Request) {
 fn equal_bits(request: &Request) {
     let render = |seed: u32| {
         let picture = request.render(foggy_ball(), |s| {
-            s.size = Some((24, 18));
+            s.size = Some((16, 12));
             s.samples = Some(2);
             s.seed = seed;
-            s.set = vec!["reference.photons=20000".to_string(), "reference.volume_photons=200000".to_string()];
+            s.set = vec!["reference.photons=10000".to_string(), "reference.volume_photons=100000".to_string()];
         });
         layer(&picture.image, "caustic_volume").into_iter().flatten().map(f32::to_bits).collect::<Vec<u32>>()
     };

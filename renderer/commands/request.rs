@@ -64,7 +64,7 @@ impl Request {
 
         let first = scene.cameras.first().map(|camera| camera.name.clone());
         let camera = settings.camera.clone().or(first).unwrap_or_default();
-        let technique = Settings::parse(settings.technique, &settings.set)?;
+        let technique = Settings::of(settings.technique, scene, &settings.set)?;
         let of_technique: Vec<_> = technique.iter().collect();
         hash.text(format_args!("{camera:?} {} {of_technique:?}", settings.technique.name()));
         hash.text(format_args!("{} {} {}", settings.adaptive, settings.seed, settings.motion));

@@ -109,8 +109,7 @@ fn every_line_from_a_light_to_a_specular_point_runs_through_a_view() {
                 continue;
             }
             let seen = views.iter().any(|view| {
-                let [right, up, forward, origin] =
-                    [view.right, view.up, view.forward, view.origin].map(|axis| Vec3::from(axis));
+                let [right, up, forward, origin] = [view.right, view.up, view.forward, view.origin].map(Vec3::from);
                 // As kernels do it, in f32.
                 let way = point.as_vec3() - origin;
                 let (across, ahead) = (Vec2::new(way.dot(right), way.dot(up)), way.dot(forward));

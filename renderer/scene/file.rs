@@ -8,7 +8,10 @@ use toml::de::DeTable;
 
 use super::error::{SceneError, io_reason};
 use super::value::{Limit, Node, QUANTITY, Source, Table};
-use super::{Animation, FilmSettings, Medium, MediumId, Scene, ToneCurve, camera, light, material, object};
+use super::{
+    Animation, Emitter, FilmSettings, Light, Medium, MediumId, Scene, ToneCurve, camera, density, light, material,
+    object, technique,
+};
 
 /// Pixels a side: one layer of four floats a pixel fills 4 GiB then.
 const LARGEST_FILM: u32 = 16_384;
@@ -54,7 +57,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
 fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneError> {
     let source = Source { path, text };
     let document = DeTable::parse(text).map_err(|error| syntax_error(source, &error))?;
-    let keys = ["film", "animation", "camera", "medium", "material", "object", "light"];
+    let keys = ["film", "animation", "camera", "medium", "material", "object", "light", "technique"];
     let root = Table::root(source, document.get_ref(), &keys)?;
 
     let mut scene = empty_scene(path);
@@ -66,8 +69,7 @@ fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneErr
     }
     scene.animation.fps = fps.unwrap_or(scene.animation.fps);
     for node in tables(&root, "medium")? {
-        let medium = read_medium(&node, &scene.media)?;
-        scene.media.push(medium);
+        read_medium(&node, &mut scene)?;
     }
     for node in tables(&root, "camera")? {
         camera::read(&node, &mut scene)?;
@@ -79,6 +81,9 @@ fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneErr
         light::read(&node, &mut scene)?;
     }
     object::read_all(&tables(&root, "object")?, &mut scene)?;
+    if let Some(node) = root.get("technique") {
+        technique::read(&node, &mut scene)?;
+    }
 
     if scene.cameras.is_empty() {
         root.need("camera", "at least one [[camera]]")?;
@@ -89,9 +94,22 @@ fn parse_at(text: &str, path: &Path, fps: Option<f64>) -> Result<Scene, SceneErr
     if scene.lights.is_empty() {
         scene.warnings.push(format!("{} has no [[light]]: only its background is seen", path.display()));
     }
+    let swallowed = scene.lights.iter().filter(|light| swallows(&scene.media[light.medium], &light.emitter));
+    let warning = |light: &Light| {
+        let medium = &scene.media[light.medium].name;
+        format!("nothing of the directional light \"{}\" arrives: its medium \"{medium}\" has no end", light.name)
+    };
+    let warnings: Vec<String> = swallowed.map(warning).collect();
+    scene.warnings.extend(warnings);
     let animation = scene.animation.clone();
     animation.pose(&mut scene, 0.0);
     Ok(scene)
+}
+
+/// Whether light from infinitely far is lost on an endless way through a medium.
+fn swallows(medium: &Medium, emitter: &Emitter) -> bool {
+    let endless = medium.density.is_none() && medium.extinction().max_element() > 0.0;
+    endless && matches!(emitter, Emitter::Directional { .. })
 }
 
 fn empty_scene(path: &Path) -> Scene {
@@ -124,6 +142,7 @@ fn empty_scene(path: &Path) -> Scene {
         media: vec![air],
         lights: Vec::new(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }
@@ -204,16 +223,23 @@ fn read_film(node: &Node) -> Result<FilmSettings, SceneError> {
     })
 }
 
-fn read_medium(node: &Node, media: &[Medium]) -> Result<Medium, SceneError> {
-    let table = node.table("[[medium]]", &["name", "index", "absorption", "scattering", "asymmetry"])?;
-    Ok(Medium {
-        name: read_name(&table, "medium", media.iter().map(|medium| medium.name.as_str()))?,
+/// Reads one medium, and its density, into the scene.
+fn read_medium(node: &Node, scene: &mut Scene) -> Result<(), SceneError> {
+    let table = node.table("[[medium]]", &["name", "index", "absorption", "scattering", "asymmetry", "density"])?;
+    let mut medium = Medium {
+        name: read_name(&table, "medium", scene.media.iter().map(|medium| medium.name.as_str()))?,
         index: table.need("index", "a number from 1 to 10")?.number(INDEX)? as f32,
         absorption: table.or("absorption", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
         scattering: table.or("scattering", Vec3::ZERO, |node| node.rgb(QUANTITY))?,
         asymmetry: table.or("asymmetry", 0.0, |node| node.number(ASYMMETRY))? as f32,
         density: None,
-    })
+    };
+    if let Some(node) = table.get("density") {
+        medium.density = Some(scene.densities.len());
+        scene.densities.push(density::read(&node)?);
+    }
+    scene.media.push(medium);
+    Ok(())
 }
 
 fn read_animation(node: &Node) -> Result<Animation, SceneError> {

@@ -6,6 +6,7 @@
 pub mod adjacency;
 pub mod animation;
 mod camera;
+mod density;
 pub mod error;
 mod file;
 pub mod height_field;
@@ -15,11 +16,13 @@ mod material;
 pub mod mend;
 mod motion;
 mod mtl;
+mod noise;
 mod obj;
 mod obj_check;
 mod object;
 mod polygon;
 pub mod shapes;
+mod technique;
 mod texture;
 mod transform;
 mod value;
@@ -27,6 +30,8 @@ mod value;
 use std::path::PathBuf;
 
 use glam::{Affine3A, DVec3, Vec2, Vec3};
+
+use crate::technique::TechniqueKind;
 
 pub use animation::Animation;
 pub use error::SceneError;
@@ -60,8 +65,26 @@ pub struct Scene {
     pub densities: Vec<DensityGrid>,
     pub lights: Vec<Light>,
     pub animation: Animation,
+    /// What the scene file sets of techniques, each of them once.
+    pub settings: Vec<SceneSetting>,
     /// What was mended while loading (degenerate triangles dropped, say), a sentence each.
     pub warnings: Vec<String>,
+}
+
+/// A setting of a technique, allowed by the technique's table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneSetting {
+    pub technique: TechniqueKind,
+    pub key: &'static str,
+    /// As `--set` has it.
+    pub value: String,
+}
+
+impl SceneSetting {
+    /// `technique.key=value`.
+    pub fn item(&self) -> String {
+        format!("{}.{}={}", self.technique.name(), self.key, self.value)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

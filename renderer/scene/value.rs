@@ -155,6 +155,16 @@ impl<'s> Node<'s> {
         text.ok_or_else(|| self.refuse("a text that is not empty"))
     }
 
+    /// A number or a text as the command line would have it.
+    pub fn words(&self) -> Option<String> {
+        match self.value.get_ref() {
+            DeValue::String(text) => Some(text.to_string()),
+            DeValue::Integer(_) => self.integer().map(|integer| integer.to_string()),
+            DeValue::Float(_) => self.scalar().map(|number| number.to_string()),
+            _ => None,
+        }
+    }
+
     pub fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T, SceneError> {
         let text = self.value.get_ref().as_str();
         let chosen = choices.iter().find(|(name, _)| text == Some(name));

@@ -1,6 +1,7 @@
 //! The table of `--set technique.key=value`: what each technique can be told, in what range.
 
 use super::{TechniqueError, TechniqueKind};
+use crate::scene::Scene;
 
 /// One setting of a technique.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +32,8 @@ impl SettingKind {
         }
     }
 
-    fn accepts(&self, value: &str) -> bool {
+    /// Whether a setting of this kind can be `value`.
+    pub fn accepts(&self, value: &str) -> bool {
         match self {
             SettingKind::Integer { min, max } => value.parse::<i64>().is_ok_and(|v| (*min..=*max).contains(&v)),
             SettingKind::Number { min, max } => value.parse::<f64>().is_ok_and(|v| (*min..=*max).contains(&v)),
@@ -45,6 +47,14 @@ impl SettingKind {
 pub struct Settings(Vec<(&'static str, String)>);
 
 impl Settings {
+    /// Those of `kind` for a scene, which may have defaults of its own; `items` win over them.
+    pub fn of(kind: TechniqueKind, scene: &Scene, items: &[String]) -> Result<Self, TechniqueError> {
+        let own = scene.settings.iter().filter(|setting| setting.technique == kind);
+        let mut all: Vec<String> = own.map(|setting| setting.item()).collect();
+        all.extend_from_slice(items);
+        Self::parse(kind, &all)
+    }
+
     /// Reads `technique.key=value` items for `kind`. Later items win.
     pub fn parse(kind: TechniqueKind, items: &[String]) -> Result<Self, TechniqueError> {
         let table = kind.settings();

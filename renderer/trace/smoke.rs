@@ -98,6 +98,7 @@ fn scene() -> Scene {
         media: Vec::new(),
         lights: Vec::new(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }

@@ -102,7 +102,8 @@ impl Session {
         let eye = Eye::Scene(camera.unwrap_or_default());
         let wish = Wish { eye, lights: None, frame: render.frame, size };
         // Wrong settings are refused here; from then on all come from the panel's table.
-        let method = Method::new(render.technique, &render.set);
+        let items: Vec<String> = scene.settings.iter().map(|setting| setting.item()).collect();
+        let method = Method::new(render.technique, &[items.as_slice(), &render.set].concat());
         let left = Pane::new(&Base { device, scene: &scene, settings: render }, &wish, &method)?;
         let (speed, rate) = (0.3 * scene.bounds().diagonal().clamp(0.01, 1e4), scene.animation.fps);
         #[cfg(feature = "hot-reload")]

@@ -1,11 +1,81 @@
-//! Light that media scatter once, by quadrature in f64.
+//! A room of fog, and light that media scatter once by quadrature in f64.
+#![allow(dead_code, reason = "each test binary uses its part")]
+
+use std::path::Path;
 
 use glam::DVec3;
 use nephroid::random;
-use nephroid::scene::{Camera, DensityGrid, Emitter, Light, Medium, Scene};
+use nephroid::render::{Picture, RenderSettings};
+use nephroid::scene::{self, Camera, DensityGrid, Emitter, Light, Medium, Scene};
+use nephroid::technique::TechniqueKind;
 
-/// Steps along a ray to the camera: light varies over tenths of a metre on rays of some ten.
-const STEPS: u32 = 4000;
+use crate::common::Request;
+
+/// Pixels.
+pub const SIZE: (u32, u32) = (12, 9);
+
+pub fn parse(text: &str) -> Scene {
+    scene::parse(text, Path::new("test.toml")).unwrap()
+}
+
+/// A black wall across the view at z = -5.
+pub const ROOM: &str = r#"
+[film]
+volume_samples = 256
+[[camera]]
+name = "c"
+position = [0.3, 0.2, 5]
+target = [0, 0, 0]
+fov_y = 40
+medium = "fog"
+[[material]]
+name = "wall"
+kind = "diffuse"
+albedo = 0
+[[object]]
+name = "wall"
+shape = "plane"
+centre = [0, 0, 0]
+size = [100, 100]
+material = "wall"
+transform = { rotate = [90, 0, 0], translate = [0, 0, -5] }
+"#;
+
+pub fn fog(absorption: &str, scattering: &str, asymmetry: f64) -> String {
+    format!(
+        "[[medium]]\nname = \"fog\"\nindex = 1.0001\nabsorption = {absorption}\nscattering = {scattering}\nasymmetry = \
+         {asymmetry}\n"
+    )
+}
+
+/// One sample without a technique, whose places in the pixels are known.
+pub fn render(request: &Request, scene: Scene, change: impl FnOnce(&mut RenderSettings)) -> Picture {
+    request.render(scene, |settings| {
+        settings.technique = TechniqueKind::None;
+        settings.samples = Some(1);
+        settings.size = Some(SIZE);
+        change(settings);
+    })
+}
+
+/// One in sight, one behind the camera.
+pub const LAMPS: &str = r#"
+[[light]]
+name = "near"
+kind = "point"
+position = [0.8, 0.5, 1]
+intensity = [3, 2, 1]
+medium = "fog"
+[[light]]
+name = "behind"
+kind = "point"
+position = [-1, 1, 7]
+intensity = [0, 5, 9]
+medium = "fog"
+"#;
+
+/// Steps along a ray to the camera, without and with a grid: light varies over tenths of a metre on rays of some ten.
+const STEPS: [u32; 2] = [4000, 1500];
 /// Steps along a ray to a lamp, through a grid of some ten cells.
 const STEPS_TO_LIGHT: u32 = 200;
 
@@ -66,10 +136,11 @@ impl<'a> Air<'a> {
         light: &Light,
         lit: impl Fn(DVec3) -> bool,
     ) -> [f64; 3] {
-        let step = length / f64::from(STEPS);
+        let steps = STEPS[usize::from(self.grid.is_some())];
+        let step = length / f64::from(steps);
         let mut depth = 0.0;
         let mut sum = [0.0; 3];
-        for i in 0..STEPS {
+        for i in 0..steps {
             let point = from + (f64::from(i) + 0.5) * step * direction;
             let density = self.density(point);
             depth += 0.5 * density * step;
@@ -109,7 +180,7 @@ fn lamp(light: &Light, point: DVec3) -> Lamp {
     };
     match light.emitter {
         Emitter::Point { position, intensity } => from(position, intensity),
-        Emitter::Spot { position, direction, intensity, inner, outer } => {
+        Emitter::Spot { position, direction, intensity, inner, outer, .. } => {
             let lamp = from(position, intensity);
             let cosine = -lamp.way.dot(direction.as_dvec3());
             let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
@@ -117,7 +188,7 @@ fn lamp(light: &Light, point: DVec3) -> Lamp {
             Lamp { irradiance: lamp.irradiance * (x * x * (3.0 - 2.0 * x)), ..lamp }
         }
         Emitter::Directional { direction, irradiance } => {
-            Lamp { way: -direction.as_dvec3(), distance: 10.0, irradiance: irradiance.as_dvec3() }
+            Lamp { way: -direction.as_dvec3(), distance: 5.0, irradiance: irradiance.as_dvec3() }
         }
     }
 }

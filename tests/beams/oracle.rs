@@ -8,7 +8,7 @@ use nephroid::technique::beams::beam::Beam;
 pub struct Place {
     pub y: f64,
     pub weights: [f64; 3],
-    /// m2, without sign.
+    /// m2, signed.
     pub area: f64,
     /// Its component along the beam's normal is 1.
     pub way: DVec3,
@@ -33,7 +33,7 @@ fn vec(v: [f32; 3]) -> DVec3 {
 pub fn place(beam: &Beam, point: DVec3) -> Option<Place> {
     let normal = vec(beam.normal);
     let y = normal.dot(point - vec(beam.corners[0].origin));
-    let (u, v) = normal.any_orthonormal_pair();
+    let (u, v) = normal.any_orthonormal_pair(); // right-handed with the normal
     let flat = |p: DVec3| DVec2::new(p.dot(u), p.dot(v));
     let corners = beam.corners.map(|c| flat(vec(c.origin) + y * vec(c.way) - point));
     let sides = DMat2::from_cols(corners[1] - corners[0], corners[2] - corners[0]);
@@ -48,20 +48,24 @@ pub fn place(beam: &Beam, point: DVec3) -> Option<Place> {
     let way = weights[0] * ways[0] + weights[1] * ways[1] + weights[2] * ways[2];
     let distance = (y - mixed(beam.corners.map(|c| f64::from(c.start)))) * way.length();
     let end = mixed(beam.corners.map(|c| f64::from(c.end)));
-    Some(Place { y, weights, area: 0.5 * twice.abs(), way, distance, end })
+    Some(Place { y, weights, area: 0.5 * twice, way, distance, end })
 }
+
+/// A corner whose irradiance is more than this times the beam's, or less than one over it, says nothing.
+const MOST_CONTRAST: f64 = 3.0;
 
 /// Flux density across the beam's planes, 1/m2 of its flux.
 pub fn density(beam: &Beam, place: &Place, light_angle: f64, smooth: bool) -> f64 {
-    let least = |l: f64| (light_angle * l).powi(2);
-    let round_corner = beam.corners.map(|c| {
+    let mean_flux = f64::from(beam.flux.iter().sum::<f32>()) / 3.0;
+    let ratios = beam.corners.map(|c| {
         let l = (place.y - f64::from(c.start)).max(0.0) * vec(c.way).length();
         let area = f64::from(c.area[0]) + l * f64::from(c.area[1]) + l * l * f64::from(c.area[2]);
-        f64::from(c.flux) / area.abs().max(least(l)).max(1e-20)
+        let ratio = f64::from(c.flux) / area / (mean_flux / place.area);
+        if smooth && ratio > 1.0 / MOST_CONTRAST && ratio < MOST_CONTRAST { ratio } else { 1.0 }
     });
-    let even = round_corner.iter().sum::<f64>() / 3.0;
-    let mixed: f64 = (0..3).map(|i| place.weights[i] * round_corner[i]).sum();
-    (if smooth { mixed / even } else { 1.0 }) / place.area.max(least(place.distance)).max(1e-20)
+    let mixed: f64 = (0..3).map(|i| place.weights[i] * ratios[i]).sum();
+    let least = (light_angle * place.distance).powi(2).max(1e-20);
+    3.0 * mixed / ratios.iter().sum::<f64>() / place.area.abs().max(least)
 }
 
 /// W/m2 on a surface with this normal, by a beam of 1 W where `extinction` (1/m) is on the way; nothing outside.
@@ -156,10 +160,10 @@ pub fn inscattered(beam: &Beam, ray: &ViewRay, fog: &Fog, light_angle: f64) -> O
         for index in 0..STEPS {
             let t = pair[0] + (index as f64 + 0.5) * size;
             let place = place(beam, at(t))?;
-            if place.area < 3.0 * (light_angle * place.distance).powi(2) {
+            if place.area.abs() < 3.0 * (light_angle * place.distance).powi(2) {
                 return None;
             }
-            (least, most) = (least.min(place.area), most.max(place.area));
+            (least, most) = (least.min(place.area.abs()), most.max(place.area.abs()));
             let light = place.way.normalize();
             let g = fog.asymmetry;
             let cosine = -light.dot(ray.direction);

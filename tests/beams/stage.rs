@@ -6,10 +6,12 @@ use glam::{DVec3, dvec3};
 use nephroid::frame::{Frame, Sampling, VisiblePoint};
 use nephroid::gpu::{Binding, Buffer, Device, Recorder};
 use nephroid::gpu_scene::GpuScene;
+use nephroid::light_view::{LightView, LightViewTier, LightViews};
 use nephroid::scene::{self, Scene};
-use nephroid::technique::Context;
 use nephroid::technique::beams::accumulate::{Accumulator, BeamBuffers, Options};
 use nephroid::technique::beams::beam::{Beam, BeamHeader};
+use nephroid::technique::beams::generate::Generator;
+use nephroid::technique::{Context, Settings, TechniqueKind};
 use nephroid::trace::{self, TraceChoice, Tracer};
 use nephroid::view::{Band, View};
 
@@ -81,6 +83,21 @@ impl Stage {
         Accumulator::with_options(options, &Context { device, scene, tracer, frame, seed: 0 }, &buffers).unwrap()
     }
 
+    /// The scene's light views, and a generator that has made the first set of beams.
+    pub fn generate(&self, set: &[&str]) -> (Vec<LightView>, Generator) {
+        let items: Vec<String> = set.iter().map(|item| item.to_string()).collect();
+        let settings = Settings::parse(TechniqueKind::Beams, &items).unwrap();
+        let Stage { device, scene, tracer, frame } = self;
+        let views = LightViews::new(device, scene, tracer, 2, LightViewTier::Rays).unwrap();
+        let context = Context { device, scene, tracer, frame, seed: 0 };
+        let generator = Generator::new(&settings, &context, &views).unwrap();
+        let mut recorder = Recorder::new(device).unwrap();
+        generator.record(frame, &mut recorder, 0).unwrap();
+        recorder.submit().unwrap();
+        assert_valid(device);
+        (views.views().to_vec(), generator)
+    }
+
     /// Each slot's point and its irradiance, in sample `index`.
     pub fn sample(&mut self, accumulator: &Accumulator, index: u32) -> Vec<(VisiblePoint, [f32; 4])> {
         let mut recorder = Recorder::new(&self.device).unwrap();
@@ -109,6 +126,9 @@ pub fn counter(accumulator: &Accumulator, name: &str) -> f64 {
     accumulator.counters().unwrap().iter().find(|entry| entry.name == name).unwrap().value
 }
 
+/// Small beams of `many_beams`, which come after seven large ones.
+pub const CROWD: usize = 1000;
+
 /// Beams of every kind to the floor: parallel, spread out, through a focus on a line or a point, twisted, grazing, and a
 /// crowd of small ones.
 pub fn many_beams() -> Vec<Beam> {
@@ -132,7 +152,7 @@ pub fn many_beams() -> Vec<Beam> {
         beam_to_floor(triangle(0.3, 0.4), [dvec3(1.0, -0.176, 0.0); 3], 7.0, 0.0),
     ];
     let mut numbers = Numbers(1);
-    for _ in 0..3000 {
+    for _ in 0..CROWD {
         let at = dvec3(numbers.between(-2.5, 2.5), 0.0, numbers.between(-2.0, 2.0));
         let turn = numbers.between(0.0, 6.0);
         let mut corner = |index: u32| {
@@ -140,8 +160,9 @@ pub fn many_beams() -> Vec<Beam> {
             let round = numbers.between(0.08, 0.12) * dvec3(angle.cos(), 0.0, angle.sin());
             let start = at + round + DVec3::Y * numbers.between(1.48, 1.52);
             let way = dvec3(numbers.between(-0.02, 0.02), -1.0, numbers.between(-0.02, 0.02)).normalize();
-            let area = [numbers.between(0.5, 2.0), numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0)];
-            Edge { area, flux: numbers.between(0.5, 2.0), ..Edge::plain(start, way, -start.y / way.y) }
+            // About what the beam's own area is.
+            let area = [0.013 * numbers.between(0.8, 1.3), 0.002 * numbers.between(-1.0, 1.0), 0.0];
+            Edge { area, flux: 0.01 * numbers.between(0.7, 1.5), ..Edge::plain(start, way, -start.y / way.y) }
         };
         all.push(beam([corner(0), corner(1), corner(2)], 0.01, 0));
     }

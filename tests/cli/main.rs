@@ -121,6 +121,20 @@ fn is_named(value: &serde_json::Value) -> bool {
 }
 
 #[test]
+fn settings_come_from_the_scene_where_the_command_line_is_silent() {
+    let folder = Folder::new();
+    let own = "[technique.reference]\nphotons = 1000\nalpha = 0.5\n[technique.mnee]\nrest = \"photons\"\n";
+    std::fs::write(folder.at("scene.toml"), format!("{SCENE}{own}")).unwrap();
+    folder.run(
+        "render scene.toml -o a.exr --size 8x8 --samples 1 --technique reference --set reference.alpha=0.75 --stats a.json",
+    );
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.at("a.json")).unwrap()).unwrap();
+    let settings = stats["settings"].as_array().unwrap();
+    let value = |key: &str| settings.iter().find(|pair| pair[0] == key).unwrap()[1].as_str().unwrap();
+    assert_eq!((value("photons"), value("alpha"), value("fresnel")), ("1000", "0.75", "chance"));
+}
+
+#[test]
 fn a_png_is_exposed_and_tone_mapped_as_the_scene_says() {
     let folder = Folder::new();
     let film = "samples = 2\nexposure = 1.5\ntone_curve = \"reinhard\"";

@@ -69,6 +69,7 @@ pub fn pool(waves: Mesh, depth: f32, size: f32, lights: Vec<Light>) -> Scene {
         media: vec![medium("air", 1.0), medium("water", WATER_INDEX as f32)],
         lights,
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }

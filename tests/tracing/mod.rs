@@ -107,6 +107,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(usize, Affine3A)]) -> Scene {
         media: Vec::new(),
         lights: Vec::new(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }

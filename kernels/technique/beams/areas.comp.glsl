@@ -1,14 +1,9 @@
-// What the light round each ray covers, l metres along it: the signed cross-sections of all beams at that vertex, across
-// the ray, added up (after Ernst et al. 2005, who average one function of each triangle's vertex).
+// What the light round each ray covers by its neighbours: the signed cross-sections of all beams at that vertex, across the
+// ray, added up (after Ernst et al. 2005, who average one function of each triangle's vertex).
 #include "technique/beams/vertex.glsl"
 #include "technique/beams/leaf.glsl"
+#include "technique/beams/ray_area.glsl"
 
-struct RayArea {
-    vec3 area;  // m2, m, 1: coefficients of 1, l, l^2
-    float flux; // W
-};
-
-layout(set = 3, binding = 15, std430) writeonly buffer RayAreas { RayArea ray_areas[]; };
 
 void main() {
     uint index = linear_index();

@@ -17,7 +17,7 @@ void main() {
     LightView v = light_views[cell / per_view];
     uint place = cell % per_view;
     vec2 low = vec2(place % settings.grid, place / settings.grid);
-    vec2 size = (v.upper - v.lower) / float(settings.grid - 1u);
+    vec2 size = coarse_cell(v);
     // Gauss-Legendre's two points in each of the parts along a side.
     vec3 flux = vec3(0.0);
     uint parts = push.points / 2u;

@@ -11,7 +11,7 @@ void main() {
     uint sheet = group / blocks;
     uint leaf = group % blocks * 64u + gl_LocalInvocationIndex;
     bool found = sheet < settings.sheets && sheet_counts[sheet] > 0u && leaf < state.leaves;
-    if (found) found = edges_of(beam_leaves[leaf], sheet).drawn;
+    if (found) found = brings_light(edges_of(beam_leaves[leaf], sheet));
     place_in_block(found);
     if (gl_LocalInvocationIndex == 0u && sheet < settings.sheets) block_sums[group] = block_total();
 }

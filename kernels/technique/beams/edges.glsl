@@ -30,3 +30,16 @@ BeamEdges edges_of(BeamLeaf leaf, uint sheet) {
     e.drawn = e.complete && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
     return e;
 }
+
+bool is_diffuse(uint instance) {
+    return instance != NO_INSTANCE && !goes_on(instance);
+}
+
+// Whether the beam brings light to anything on its way: a medium that scatters, or a diffuse surface. Beams inside of clear
+// glass and those to the sky are half of all in a pool.
+bool brings_light(BeamEdges e) {
+    if (!e.drawn) return false;
+    vec3 scattering = media[beam_vertices[e.records.x].medium].scattering;
+    return any(greaterThan(scattering, vec3(0.0))) || is_diffuse(beam_vertices[e.records.x].target) ||
+           is_diffuse(beam_vertices[e.records.y].target) || is_diffuse(beam_vertices[e.records.z].target);
+}

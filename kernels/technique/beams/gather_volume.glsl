@@ -6,7 +6,7 @@ layout(local_size_x = 64) in;
 #include "technique/beams/volume_light.glsl"
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
-#include "technique/beams/tile_shaft.glsl"
+#include "technique/beams/shaft.glsl"
 
 layout(set = 2, binding = 20, std430) writeonly buffer SampleVolume { vec4 sample_volume[]; };
 // What rasterised hulls brought, a pixel; w: their fragments.
@@ -23,11 +23,7 @@ Shaft shaft;      // round the tile's
 vec3 sum = vec3(0.0);
 
 bool near_box(BeamBox box) {
-    return box_meets_shaft(box.low, box.high, shaft);
-}
-
-bool near_shaft(Shaft block) {
-    return shafts_meet(block, shaft);
+    return boxes_meet_shaft(box, shaft);
 }
 
 bool near_beam(Beam beam) {

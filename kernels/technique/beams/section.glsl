@@ -43,6 +43,13 @@ bool section_at(Beam beam, vec3 point, out Section section) {
     return inside && is_within_reach(to[0], sides);
 }
 
+// m2, signed.
+float section_area(Beam beam, float y) {
+    vec3 b = beam.corners[1].origin - beam.corners[0].origin + y * (beam.corners[1].way - beam.corners[0].way);
+    vec3 c = beam.corners[2].origin - beam.corners[0].origin + y * (beam.corners[2].way - beam.corners[0].way);
+    return 0.5 * dot(beam.normal, cross(b, c));
+}
+
 vec3 beam_starts(Beam beam) {
     return vec3(beam.corners[0].start, beam.corners[1].start, beam.corners[2].start);
 }

@@ -34,7 +34,9 @@ uint slot_of(TilePush push, uint tile) {
         return place < pixels ? layer * pixels + place : NO_SLOT;
     }
     uint across = tiles_across();
-    uint x = (index % across) * TILE_SIDE + gl_LocalInvocationIndex % TILE_SIDE;
-    uint y = (index / across) * TILE_SIDE + gl_LocalInvocationIndex / TILE_SIDE;
+    // Eight in a row are four by two pixels.
+    uint lane = gl_LocalInvocationIndex;
+    uint x = (index % across) * TILE_SIDE + (lane & 3u) + (lane >> 1 & 4u);
+    uint y = (index / across) * TILE_SIDE + (lane >> 2 & 1u) + (lane >> 3 & 6u);
     return x < view.width && y < view.rows ? layer * pixels + y * view.width + x : NO_SLOT;
 }

@@ -12,14 +12,29 @@ layout(push_constant) uniform JitterPush {
     uint padding1;
 } push;
 
+layout(set = 3, binding = 21, std430) readonly buffer LightTexels { LightTexel light_texels[]; };
+
+// What the light's own ray meets, as the view's texel at that vertex has it.
+void look_up(LightView v, LatticePlace place, inout BeamVertex ray) {
+    uvec2 at = uvec2(place.column, place.row);
+    LightTexel specular = light_texels[light_texel_index(v, LIGHT_SPECULAR, at)];
+    LightTexel opaque = light_texels[light_texel_index(v, LIGHT_OPAQUE, at)];
+    if (!lit_specular(specular, opaque)) return;
+    ray.target = specular.instance;
+    ray.primitive = specular.primitive;
+    ray.barycentrics = packUnorm2x16(specular.barycentrics);
+    ray.distance = specular.depth;
+}
+
 // What happens to a ray at the surface it has met: its own next ray, as far as it is known before it is traced. False where
 // nothing goes on in that sheet.
 bool branch(BeamVertex before, vec3 arriving, bool refracts, out BeamVertex next, out vec3 origin) {
     next = before;
     origin = vec3(0.0);
     Surface s = surface_at(before.target, before.primitive, unpackUnorm2x16(before.barycentrics));
-    // Barycentrics are packed; the place is not.
-    s.position = landing(before);
+    // Barycentrics are packed and the landing is as far off as its ray is long; both agree on the plane.
+    vec3 place = landing(before);
+    s.position = place - s.geometric * dot(place - s.position, s.geometric);
     Material material = materials[s.material];
     bool crosses = false;
     if (material.kind == MATERIAL_DIELECTRIC) {
@@ -72,7 +87,12 @@ void main() {
 
     BeamVertex first = BeamVertex(vec3(0.0), 0u, vec3(0.0, 1.0, 0.0), 0.0, vec3(1.0), light.medium, NO_INSTANCE,
                                   NO_INSTANCE, 0u, 0u);
-    light_ray(v, lattice_chart(v, vec2(place.column, place.row), push.jitter), first.position, first.direction);
+    vec2 chart = lattice_chart(v, vec2(place.column, place.row), push.jitter);
+    light_ray(v, chart, first.position, first.direction);
+    if (v.perspective == 0u) {
+        // It has come through all of the medium that lies before the plane on which the view starts.
+        first.throughput = transmittance(first.medium, first.position, -first.direction, FAR_AWAY);
+    }
 
     // The first turn is the light's own ray.
     for (uint turn = 0u; turn <= settings.sheets; turn++) {
@@ -89,6 +109,10 @@ void main() {
             vec3 arriving = before.throughput *
                             transmittance(before.medium, before.position, before.direction, before.distance);
             if (!branch(before, arriving, (sheet & 1u) == 0u, next, origin)) continue;
+        }
+        if (turn == 0u && settings.buffered != 0u) {
+            look_up(v, place, first);
+            continue;
         }
         Hit hit = trace_closest(Ray(origin, 0.0, next.direction, 1e30), MASK_ALL);
         next.target = hit.instance;

@@ -2,16 +2,11 @@
 #include "technique/beams/edges.glsl"
 #include "technique/beams/beam.glsl"
 #include "technique/beams/block.glsl"
+#include "technique/beams/ray_area.glsl"
 #include "technique/beams/sizes.glsl"
 
-struct RayArea {
-    vec3 area;
-    float flux;
-};
-
 layout(set = 3, binding = 12, std430) readonly buffer BlockSums { uint block_sums[]; };
-layout(set = 3, binding = 15, std430) readonly buffer RayAreas { RayArea ray_areas[]; };
-layout(set = 3, binding = 17, std430) writeonly buffer Beams { Beam beams[]; };
+layout(set = 3, binding = 20, std430) writeonly buffer Beams { Beam beams[]; };
 layout(set = 3, binding = 18, std430) buffer BeamHeaders { BeamHeader header; };
 
 // Metres at which the beam's cross-section is so large that an edge that meets nothing may end.
@@ -58,7 +53,7 @@ void main() {
     bool used = sheet < settings.sheets && sheet_counts[sheet] > 0u && index < state.leaves;
     BeamLeaf leaf = beam_leaves[used ? index : 0u];
     BeamEdges e = edges_of(leaf, used ? sheet : 0u);
-    used = used && e.drawn;
+    used = used && brings_light(e);
     uint before = place_in_block(used);
     if (!used) return;
     uint at = block_sums[group] + before;

@@ -65,6 +65,16 @@ void follow(uint slot, EmissionCell cell, uint index, uint seed, inout Kept kept
     uint medium = lights[cell.light].medium;
     uint refractions = 0u;
     uint reflections = 0u;
+    if (lights[cell.light].kind == LIGHT_DIRECTIONAL) {
+        // It has come through all of the medium that lies before the plane on which its photons start.
+        vec3 left = flux * transmittance(medium, origin, -direction, FAR_AWAY);
+        vec3 scattered = (flux - left) * scattered_part(medium);
+        if (!second_branch) {
+            book(SCATTERED, scattered);
+            book(ABSORBED, flux - left - scattered);
+        }
+        flux = left;
+    }
 
     for (uint event = 0u; event <= MAX_EVENTS; event++) {
         Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), MASK_ALL);

@@ -1,6 +1,6 @@
 // Light that photons in volumes scatter towards the camera: each stretch of a camera path sums the photons within a radius
-// of it, the beam radiance estimate (Jarosz, Zwicker and Jensen 2008, Eq. 14). The radius is the same everywhere and
-// shrinks from set to set of photons (Knaus and Zwicker 2011, Eq. 20).
+// of it, the beam radiance estimate (Jarosz, Zwicker and Jensen 2008). The radius is the same everywhere and shrinks from
+// set to set of photons (Knaus and Zwicker 2011).
 #include "technique/reference/common.glsl"
 #include "technique/reference/sum.glsl"
 #include "shared/film.glsl"
@@ -56,6 +56,13 @@ Beam beam(Stretch s, VisiblePoint point) {
     } else if (s.extent < 0.9999 * view.reach) {
         result.to += BEYOND_SPECULAR * push.radius;
     }
+    if (media[s.medium].grid != NO_GRID) {
+        // No photon lies where density is zero. A stretch that misses all of it has nothing to walk through.
+        vec2 part = dense_part(s.medium, s.origin, s.direction, s.extent);
+        if (!(part.x < part.y)) return Beam(s, 0.0, -1.0, vec3(0.0));
+        result.from = max(result.from, part.x - push.radius);
+        result.to = min(result.to, part.y + push.radius);
+    }
     return result;
 }
 
@@ -71,6 +78,7 @@ vec3 scattered(Beam b, Photon photon, float foot, float reached, vec3 left) {
 
 // Slab by slab of cells across the axis along which the stretch runs most, each cell once.
 void gather(inout Sum sum, Beam b) {
+    if (b.from > b.to) return;
     Stretch s = b.s;
     float size = cell_size();
     vec3 size_of = abs(s.direction);

@@ -52,9 +52,9 @@ crate::gpu_struct! {
         pub reach: f32,
         pub ledger_unit: f32,
         pub extent: f32,
+        pub margin: u32,
+        pub buffered: u32,
         pub padding0: u32,
-        pub padding1: u32,
-        pub padding2: u32,
     }
 }
 
@@ -202,7 +202,7 @@ impl Kernels {
 /// Makes sets of beams for one scene and camera.
 pub struct Generator {
     kernels: Kernels,
-    bindings: Bindings,
+    pub(super) bindings: Bindings,
     pub beams: BeamBuffers,
     state: Buffer,
     lattice_map: Buffer,
@@ -214,6 +214,8 @@ pub struct Generator {
     sizes: Buffer,
     settings: BeamSettings,
     jittered: bool,
+    /// Whether corners have areas of their own.
+    smooth_area: bool,
     seed: u32,
 }
 
@@ -293,7 +295,8 @@ impl Generator {
             scan_totals,
             sizes,
             settings: numbers,
-            jittered: settings.choice("jitter") == "on",
+            jittered: jitters(settings),
+            smooth_area: settings.choice("area") == "vertex",
             seed: random::combine(context.seed, 0x6265_616d),
         })
     }
@@ -359,7 +362,9 @@ impl Generator {
         recorder.pass("beams/size")?.dispatch(&kernels.size, &bindings, &(), 1)?;
         let sizes = &self.sizes;
         let [leaves, sheets, rays] = [0, SIZE_BYTES, 2 * SIZE_BYTES];
-        recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
+        if self.smooth_area {
+            recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
+        }
         recorder.pass("beams/count_beams")?.dispatch_indirect(&kernels.count_beams, &bindings, &(), sizes, sheets)?;
         let scan = BeamScanPush { blocks: 0, total: 1 };
         recorder.pass("beams/scan")?.dispatch(&kernels.scan, &bindings, &scan, BLOCK)?;
@@ -443,10 +448,15 @@ fn numbers(settings: &Settings, context: &Context<'_>, views: u32) -> BeamSettin
         reach: context.scene.reach(),
         ledger_unit: (most_flux(context.scene) / LEDGER_UNITS).max(f32::MIN_POSITIVE),
         extent: settings.number("extent"),
+        margin: jitters(settings).into(),
+        buffered: (settings.choice("light") != "rays").into(),
         padding0: 0,
-        padding1: 0,
-        padding2: 0,
     }
+}
+
+/// Whether lattices move from set to set: not over texels that stay.
+fn jitters(settings: &Settings) -> bool {
+    settings.choice("jitter") == "on" && settings.choice("light") == "rays"
 }
 
 /// The bits of `RULE_*` in `common.glsl`.

@@ -42,6 +42,7 @@ fn scene(objects: Vec<(Mesh, Affine3A, usize)>, emitters: &[Emitter]) -> Scene {
         media: Vec::new(),
         lights: emitters.iter().map(light).collect(),
         animation: Default::default(),
+        settings: Vec::new(),
         warnings: Vec::new(),
     }
 }

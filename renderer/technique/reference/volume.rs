@@ -11,6 +11,9 @@ use crate::technique::{Context, Settings};
 /// and the sum of 10^6 of them, 10^5 times as bright as the mean, does not overflow.
 const UNITS_PER_PHOTON: f32 = 16_777_216.0;
 
+/// The longest stretch over the first radius, at most.
+const LONGEST_OVER_RADIUS: f32 = 10_000.0;
+
 /// What cells go by, over the gathering radius: they are half to all of that.
 const CELLS_OVER_RADIUS: f32 = 4.0;
 
@@ -45,13 +48,16 @@ impl Volume {
         let photons = slots * points;
         let density = photons as f32 / specular_area(scene);
         let radius = (settings.number("volume_neighbours") / (std::f32::consts::PI * density)).sqrt();
+        // A small object in a large room: the longest stretch still crosses some thousands of cells only.
+        let least = (scene.reach() / LONGEST_OVER_RADIUS).max(1e-6);
+        let most = (MAX_RADIUS * scene_diagonal(context)).max(least);
         let thickest = scene.media.iter().map(|m| m.scattering.max_element()).fold(0.0, f32::max);
         let scattered = (thickest * scene.reach()).min(1.0) * flux / photons as f32;
         Ok(Some(Volume {
             points,
             sorted: Sorted::new(device, kernels, "reference/volume-", photons)?,
             gather: Kernel::new(device, "reference/gather_volume", "")?,
-            first_radius: radius.clamp(1e-6, MAX_RADIUS * scene_diagonal(context)),
+            first_radius: radius.clamp(least, most),
             alpha: settings.number("alpha").into(),
             flux_unit: (scattered / UNITS_PER_PHOTON).max(f32::MIN_POSITIVE),
         }))
@@ -62,8 +68,8 @@ impl Volume {
         Bindings::new().buffer("VolumePhotons", &self.sorted.photons)
     }
 
-    /// Of set `set`, m: its square is taken times (i + alpha) / (i + 1) from set to set (Knaus and Zwicker 2011, Eq. 20),
-    /// which lets noise and blur both vanish.
+    /// Of set `set`, m: its square is taken times (i + alpha) / (i + 1) from set to set (Knaus and Zwicker 2011), which lets
+    /// noise and blur both vanish.
     fn radius(&self, set: u32) -> f32 {
         let part: f64 = (1..=set).map(f64::from).map(|i| (i + self.alpha) / (i + 1.0)).product();
         (f64::from(self.first_radius) * part.sqrt()) as f32

@@ -8,20 +8,16 @@ const BLOCK_BEAMS: u32 = 32;
 const GROUP_BLOCKS: u32 = 32;
 
 crate::gpu_struct! {
-    /// A box round beams; see `kernels/technique/beams/stored.glsl`.
+    /// Boxes where beams begin and where they end; see `kernels/technique/beams/stored.glsl`.
     pub struct BeamBox {
-        pub low: [f32; 3],
+        pub start_low: [f32; 3],
         pub beams: u32,
-        pub high: [f32; 3],
+        pub start_high: [f32; 3],
         pub media: u32,
-        pub axis: [f32; 3],
-        pub near: f32,
-        pub at_near: [f32; 4],
-        pub at_far: [f32; 4],
-        pub far: f32,
+        pub end_low: [f32; 3],
         pub padding0: f32,
+        pub end_high: [f32; 3],
         pub padding1: f32,
-        pub padding2: f32,
     }
 }
 

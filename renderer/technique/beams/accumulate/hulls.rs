@@ -66,7 +66,8 @@ pub struct Hulls {
     pushes: (ShadePush, VolumePush),
     bindings: Bindings,
     draws: Buffer,
-    surface: Layer,
+    /// Where points are lit, not what pixels cover.
+    surface: Option<Layer>,
     volume: Option<Layer>,
 }
 
@@ -111,7 +112,7 @@ impl Hulls {
                 .buffer("Hulls", &Buffer::new(device, "hulls", hulls)?)
                 .buffer("HullDraws", &draws),
             draws,
-            surface: layer("beams/light")?,
+            surface: (!options.footprints).then(|| layer("beams/light")).transpose()?,
             volume: context.frame.film.has_volume().then(|| layer(volume_name)).transpose()?,
         }))
     }
@@ -127,7 +128,7 @@ impl Hulls {
         recorder.pass("beams/extrude")?.dispatch(&self.extrude, &all, &self.push, count)?;
         let (shade, volume) = self.pushes;
         let push = HullPush { jitter: frame.jitter(), prism: self.push.prism, padding0: 0, shade, volume };
-        for (name, layer) in [("beams/light", Some(&self.surface)), ("beams/light_volume", self.volume.as_ref())] {
+        for (name, layer) in [("beams/light", self.surface.as_ref()), ("beams/light_volume", self.volume.as_ref())] {
             let Some(layer) = layer else { continue };
             recorder.pass(name)?.draw_indirect(&layer.raster, &layer.targets, &all, &push, &self.draws)?;
             recorder.pass("beams/light-copy")?.copy_image(&layer.targets.color, &layer.sums, 0);
@@ -153,7 +154,7 @@ fn tier(options: &Options, context: &Context<'_>) -> Option<Tier> {
 /// Where kernels find what was drawn.
 pub fn drawn_bindings(device: &Device, hulls: Option<&Hulls>) -> Result<Bindings, GpuError> {
     let none = Buffer::new(device, "nothing drawn", SUM_BYTES)?;
-    let surface = hulls.map_or(&none, |hulls| &hulls.surface.sums);
+    let surface = hulls.and_then(|hulls| hulls.surface.as_ref()).map_or(&none, |layer| &layer.sums);
     let volume = hulls.and_then(|hulls| hulls.volume.as_ref()).map_or(&none, |layer| &layer.sums);
     Ok(Bindings::new().buffer("DrawnIrradiance", surface).buffer("DrawnVolume", volume))
 }

@@ -68,6 +68,9 @@ crate::gpu_struct! {
     pub struct LightPush {
         pub tile: TilePush,
         pub shade: ShadePush,
+        pub jitter: [f32; 2],
+        pub footprints: u32,
+        pub parts: u32,
     }
 }
 
@@ -100,6 +103,7 @@ pub struct Accumulator {
     hulls: Option<Hulls>,
     tiles: u32,
     listed: bool,
+    footprints: bool,
 }
 
 impl Accumulator {
@@ -145,6 +149,7 @@ impl Accumulator {
             volume,
             tiles: tiles(context.frame, listed),
             listed,
+            footprints: options.footprints && !listed,
         })
     }
 
@@ -171,7 +176,15 @@ impl Accumulator {
         if let Some(hulls) = &self.hulls {
             hulls.record(frame, recorder, &bindings)?;
         }
-        let push = LightPush { tile: self.tile_push(), shade: self.shade };
+        // Hulls bring light to points, not to what pixels cover.
+        let tile = self.tile_push();
+        let push = LightPush {
+            tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
+            shade: self.shade,
+            jitter: frame.jitter(),
+            footprints: self.footprints.into(),
+            parts: TILE_SIDE,
+        };
         let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
         recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
         if let Some((kernel, volume)) = &self.volume {

@@ -24,8 +24,16 @@ pub const SETTINGS: &[Setting] = &[
         kind: SettingKind::Choice(&["vertex", "beam"]),
         default: "vertex",
         unit: "",
-        help: "The area that light is spread over: interpolated between the corners of a beam, which is smooth from beam to \
-               beam, or each beam's own",
+        help: "The area that light is spread over: interpolated between the corners of a beam, at each the one of all beams round \
+               it, which is smooth from beam to beam; or each beam's own",
+    },
+    Setting {
+        key: "footprint",
+        kind: SettingKind::Choice(&["pixel", "point"]),
+        default: "pixel",
+        unit: "",
+        help: "What of a surface a sample looks at: all that its pixel covers, which needs few samples where light is thinner \
+               than a pixel, or a point; with --adaptive always a point",
     },
     Setting {
         key: "shadows",
@@ -130,6 +138,8 @@ pub struct Options {
     pub bounds: Bounds,
     pub area: Area,
     pub shadows: Shadows,
+    /// What a pixel covers, not its point.
+    pub footprints: bool,
     pub interval: Interval,
     pub integral: Integral,
     /// m before a surface within which volume light fades.
@@ -159,21 +169,28 @@ impl Options {
             },
             soft: settings.number("soft"),
             light_angle: settings.number("light_angle").to_radians(),
+            footprints: settings.choice("footprint") == "pixel",
         }
     }
 }
 
+impl Options {
+    /// What the settings say where nothing is set.
+    pub const DEFAULT: Options = Options {
+        tier: None,
+        bounds: Bounds::Six,
+        area: Area::Vertex,
+        shadows: Shadows::Points,
+        footprints: true,
+        interval: Interval::Exact,
+        integral: Integral::Closed,
+        soft: 0.0,
+        light_angle: 0.03f32.to_radians(),
+    };
+}
+
 impl Default for Options {
     fn default() -> Self {
-        Options {
-            tier: None,
-            bounds: Bounds::Six,
-            area: Area::Vertex,
-            shadows: Shadows::Points,
-            interval: Interval::Exact,
-            integral: Integral::Closed,
-            soft: 0.0,
-            light_angle: 0.03f32.to_radians(),
-        }
+        Self::DEFAULT
     }
 }
