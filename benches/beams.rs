@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench beams` does all parts on small pictures; `-- --part NAME` does one:
 //! - `levels`: error and CPU time at every doubling of samples, by levels of refinement;
-//! - `adaptive`: refined grids against a static one of 64 x 64 cells, which come to the same error;
+//! - `adaptive`: refined grids against a static one of 64 x 64 cells, at equal error;
 //! - `bounds`: six-sided hulls against prisms, in both tiers that draw;
 //! - `scenes`: what beams take to make and to add up in each scene.
 //!
