@@ -19,7 +19,7 @@ fn main() {
     let size = (side * 4 / 3, side);
     let device = Device::open(&DeviceRequest::default()).unwrap();
     println!("{}", device.info.name);
-    for (name, medium) in [("clear", ""), ("turbid", "\nscattering = 0.05\nabsorption = 0.05")] {
+    for (name, medium) in [("turbid", "\nscattering = 0.05\nabsorption = 0.05")] {
         let text = std::fs::read_to_string("scenes/flat_water.toml")
             .unwrap()
             .replace("index = 1.33", &format!("index = 1.33{medium}"));
@@ -29,7 +29,6 @@ fn main() {
             let beams = flat_water_beams(cells);
             for (what, options) in [
                 ("points", Options::default()),
-                ("edges", Options { shadows: Shadows::Edges, ..Default::default() }),
                 ("midpoint", Options { integral: Integral::Midpoint, ..Default::default() }),
             ] {
                 let accumulator = stage.accumulator(&beams, options);

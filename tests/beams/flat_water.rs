@@ -48,8 +48,14 @@ pub fn flat_water_beams(cells: u32) -> Vec<Beam> {
     let at = |i: u32| -5.0 + 10.0 * f64::from(i) / f64::from(cells);
     let side = 10.0 / f64::from(cells);
     let mut all = Vec::new();
-    for row in 0..cells {
-        for column in 0..cells {
+    // In squares of 4 x 4, so that beams that follow each other are near each other.
+    let squares = cells.div_ceil(4);
+    for square in 0..squares * squares {
+        for cell in 0..16 {
+            let (row, column) = (square / squares * 4 + cell / 4, square % squares * 4 + cell % 4);
+            if row >= cells || column >= cells {
+                continue;
+            }
             let corner = |dx: u32, dz: u32| refracted_edge(at(column + dx), at(row + dz));
             let (a, b, c, d) = (corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1));
             for three in [[a, b, c], [a, c, d]] {

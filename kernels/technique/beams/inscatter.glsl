@@ -7,15 +7,12 @@
 #include "technique/beams/inverse_area.glsl"
 
 const uint INTEGRAL_CLOSED = 0u;   // the area's part in closed form, the rest by two points a step
-const uint INTEGRAL_ADAPTIVE = 1u; // more and more points until the sum stays
+const uint INTEGRAL_ADAPTIVE = 1u; // all of it by two points a step, in more steps
 const uint INTEGRAL_MIDPOINT = 2u; // one point, as the paper has it
 
-const uint MOST_STEPS = 64u;
-const uint MOST_ROUNDS = 7u;      // of the adaptive integral: 64 steps in the last
-const float ADAPTED = 1e-3;      // change from round to round at which it is done
-const float LARGEST_RATIO = 1.7; // of areas within one step
-const float GROWTH = 2.0;        // of steps away from where the area is small
-const float DARK_DEPTH = 40.0;   // optical depth beyond which nothing is seen
+const float MOST_STEPS = 64.0;  // between a beam's ends
+const float ALL_DONE = 3e38;    // a place on the ray beyond all
+const float DARK_DEPTH = 40.0;  // optical depth beyond which nothing is seen
 
 Section section_along(Beam beam, Crossing c, float t) {
     Section section;
@@ -30,15 +27,20 @@ Section section_along(Beam beam, Crossing c, float t) {
 }
 
 // Optical depth over density 1 and extinction 1: from the light's start to the point, and on to the stretch's origin.
+// DENSITY_GRIDS is set where a medium has one: software drivers run code that no invocation needs, all the same.
 float length_through(uint medium, vec3 origin, vec3 direction, float distance, vec3 light, float before) {
-    if (media[medium].grid == NO_GRID) return distance + before;
-    vec3 point = origin + distance * direction;
-    float sum = 0.0;
-    for (uint leg = 0u; leg < 2u; leg++) {
-        vec3 from = leg == 0u ? origin : point - before * light;
-        sum += density_along(medium, from, leg == 0u ? direction : light, leg == 0u ? distance : before);
+#ifdef DENSITY_GRIDS
+    if (media[medium].grid != NO_GRID) {
+        vec3 point = origin + distance * direction;
+        float sum = 0.0;
+        for (uint leg = 0u; leg < 2u; leg++) {
+            vec3 from = leg == 0u ? origin : point - before * light;
+            sum += density_along(medium, from, leg == 0u ? direction : light, leg == 0u ? distance : before);
+        }
+        return sum;
     }
-    return sum;
+#endif
+    return distance + before;
 }
 
 // Radiance at the stretch's origin per metre and W, times the cross-section's area. The fluence of the light is its flux
@@ -50,86 +52,68 @@ vec3 scattered_at(ShadePush push, Beam beam, Stretch s, Crossing c, float t) {
     vec3 light = section.way / size;
     float before = max(way_since_start(beam, section), 0.0);
     float depth = length_through(beam.medium, s.origin, s.direction, distance, light, before);
+#ifdef DENSITY_GRIDS
     vec3 scattering = scattering_at(beam.medium, s.origin + distance * s.direction);
+#else
+    vec3 scattering = media[beam.medium].scattering;
+#endif
     float fade = push.soft > 0.0 ? clamp((s.extent - distance) / push.soft, 0.0, 1.0) : 1.0;
     float strength = phase(beam.medium, -dot(light, s.direction)) * size * beam_weight(push, beam, section) * fade;
     return strength * scattering * exp(-extinction(beam.medium) * depth);
 }
 
-// m within which the integrand over the area is nearly a line: less than an optical depth on both legs, or a voxel; and
-// over `size` metres light does not turn by more than a quarter of a radian.
-float longest_step(Beam beam, float size) {
+// How far from `from` on, in a piece that ends at `end`, the integrand over the area is nearly a line: areas change little
+// enough, light turns by less than a quarter of a radian within the piece, and there is half an optical depth at most, or
+// a voxel.
+float step_from(VolumePush how, Beam beam, Crossing c, float from, float end, float least) {
+    if (how.integral == INTEGRAL_MIDPOINT) return end;
+    bool fine = how.integral == INTEGRAL_ADAPTIVE;
     vec3 first = beam.corners[0].way;
     vec3 turns = vec3(distance(first, beam.corners[1].way), distance(first, beam.corners[2].way),
                       distance(beam.corners[1].way, beam.corners[2].way));
     float spread = max(turns.x, max(turns.y, turns.z)) / length(first);
-    float least = size / (1.0 + min(floor(4.0 * spread), 8.0));
+    float longest = (end - from) / (1.0 + min(floor((fine ? 16.0 : 4.0) * spread), 8.0));
+    vec3 lost = extinction(beam.medium);
+    longest = min(longest, (fine ? 0.1 : 0.5) / max(max(lost.x, max(lost.y, lost.z)), 1e-20));
+#ifdef DENSITY_GRIDS
     uint grid = media[beam.medium].grid;
     if (grid != NO_GRID) {
         vec3 cells = density_grids[grid].cells_per_metre;
-        return min(least, 1.0 / max(cells.x, max(cells.y, cells.z)));
+        longest = min(longest, 1.0 / max(cells.x, max(cells.y, cells.z)));
     }
-    vec3 lost = extinction(beam.medium);
-    return min(least, 0.5 / max(max(lost.x, max(lost.y, lost.z)), 1e-20));
+#endif
+    Area area = area_round(c, from);
+    // Areas on the way differ from the first by this part of it at most.
+    float change = (fine ? 0.1 : 1.5) * area.constant;
+    float slope = abs(area.linear);
+    float even = 2.0 * change / max(slope + sqrt(slope * slope + 4.0 * change * abs(area.square)), 1e-30);
+    float next = from + max(min(longest, even), least);
+    return next > mix(from, end, 0.99) ? end : next;
 }
 
-// The integral over a piece of the ray on which the beam's area has one sign, W of flux apart.
-vec3 piece_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossing c, vec2 piece) {
-    float size = piece.y - piece.x;
-    Area whole = area_round(c, 0.5 * (piece.x + piece.y));
-    float floor_area = least_area(push, max(way_since_start(beam, section_along(beam, c, 0.5 * (piece.x + piece.y))), 0.0));
-    // From the end where the area is small on, with steps that grow as it does; from both sides of its least value where
-    // that lies inside.
-    float least = least_at(whole, 0.5 * size);
-    float longest = max(longest_step(beam, size), size / float(MOST_STEPS / 2u));
-    bool closed = how.integral == INTEGRAL_CLOSED;
-    uint rounds = how.integral == INTEGRAL_ADAPTIVE ? MOST_ROUNDS : 1u;
-    vec3 before = vec3(0.0);
-    vec3 sum = vec3(0.0);
-    for (uint round = 0u; round < rounds; round++) {
-        sum = vec3(0.0);
-        for (uint side = 0u; side < 2u; side++) {
-            float towards = side == 0u ? 1.0 : -1.0;
-            float from = closed ? least : -0.5 * size;
-            float reach = side == 0u ? 0.5 * size - from : closed ? from + 0.5 * size : 0.0;
-            float ratio = area_over(whole, from + towards * reach) / max(area_over(whole, from), floor_area);
-            // Areas grow with the distance or its square, so this many doublings are between the smallest and the largest.
-            float doublings = ratio > LARGEST_RATIO ? min(ceil(log2(ratio / LARGEST_RATIO)), 12.0) : 0.0;
-            float first = closed ? reach * exp2(-doublings) : size / float(1u << round);
-            float at = 0.0;
-            for (uint step = 0u; step < MOST_STEPS && at < reach; step++) {
-                float next = closed ? min(max(first, GROWTH * at), at + longest) : at + first;
-                if (step + 1u == MOST_STEPS || next > 0.999 * reach) next = reach;
-                float middle = from + towards * 0.5 * (at + next) + 0.5 * (piece.x + piece.y);
-                float extent = 0.5 * (next - at);
-                at = next;
-                bool midpoint = how.integral == INTEGRAL_MIDPOINT;
-                vec2 moments = closed ? inverse_moments(area_round(c, middle), extent, floor_area) : vec2(0.0);
-                for (uint node = 0u; node < (midpoint ? 1u : 2u); node++) {
-                    float place = midpoint ? 0.0 : (node == 0u ? -1.0 : 1.0) * extent * INVERSE_ROOT_3;
-                    float weight;
-                    if (closed) {
-                        weight = 0.5 * (moments.x + moments.y * place / (extent * extent * INVERSE_ROOT_3 * INVERSE_ROOT_3));
-                    } else {
-                        float area = area_over(area_round(c, middle), place);
-                        weight = (midpoint ? 2.0 : 1.0) * extent / max(area, floor_area);
-                    }
-                    sum += weight * scattered_at(push, beam, s, c, middle + place);
-                }
-            }
-        }
-        if (mean(abs(sum - before)) <= ADAPTED * mean(sum)) break;
-        before = sum;
+// One step's part of the integral over the piece of the ray that is inside the beam, W of flux apart.
+vec3 step_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossing c, vec2 step) {
+    float middle = 0.5 * (step.x + step.y);
+    float extent = 0.5 * (step.y - step.x);
+    Area area = area_round(c, middle);
+    float before = max(way_since_start(beam, section_along(beam, c, middle)), 0.0);
+    float floor_area = least_area(push, before);
+    // Gauss's two points are good for cubics.
+    float place = how.integral == INTEGRAL_MIDPOINT ? 0.0 : extent * INVERSE_ROOT_3;
+    vec2 weights = vec2(extent) / max(vec2(area_over(area, -place), area_over(area, place)), floor_area);
+    if (how.integral == INTEGRAL_CLOSED) {
+        vec2 moments = inverse_moments(area, extent, floor_area);
+        weights = 0.5 * (moments.x + vec2(-1.0, 1.0) * moments.y / place);
     }
-    return sum;
+    return weights.x * scattered_at(push, beam, s, c, middle - place) +
+           weights.y * scattered_at(push, beam, s, c, middle + place);
 }
 
 // The part of a stretch that can be bright.
 vec2 seen_part(Stretch s) {
-    vec2 part = dense_part(s.medium, s.origin, s.direction, s.extent);
-    if (media[s.medium].grid == NO_GRID) {
-        vec3 lost = extinction(s.medium);
-        part.y = min(part.y, DARK_DEPTH / max(min(lost.x, min(lost.y, lost.z)), 1e-20));
-    }
-    return part;
+#ifdef DENSITY_GRIDS
+    if (media[s.medium].grid != NO_GRID) return dense_part(s.medium, s.origin, s.direction, s.extent);
+#endif
+    vec3 lost = extinction(s.medium);
+    return vec2(0.0, min(s.extent, DARK_DEPTH / max(min(lost.x, min(lost.y, lost.z)), 1e-20)));
 }

@@ -59,12 +59,16 @@ float twice_area(Crossing c, float t) {
     return c.area.x + t * (c.area.y + t * c.area.z);
 }
 
-// Whether a place on the ray is in the beam, its ends apart; `origin` and `direction` are the ray's.
-bool is_inside(Beam beam, Crossing c, vec3 origin, vec3 direction, float t) {
+// Whether all barycentrics of a place on the ray are positive.
+bool has_one_sign(Crossing c, float t) {
     vec3 parts = numerators(c, t);
     float low = min(parts.x, min(parts.y, parts.z));
     float high = max(parts.x, max(parts.y, parts.z));
-    if (!(low >= 0.0 ? high > 0.0 : high <= 0.0)) return false;
+    return low >= 0.0 ? high > 0.0 : high <= 0.0;
+}
+
+// Whether a place with positive barycentrics is near enough for that not to be noise.
+bool is_within_beam(Beam beam, Crossing c, vec3 origin, vec3 direction, float t) {
     float y = c.height.x + t * c.height.y;
     vec3 sides[3];
     for (uint i = 0u; i < 3u; i++) {
@@ -136,15 +140,64 @@ vec2 part_between_ends(Beam beam, Crossing c, vec3 origin, vec3 direction, float
 // Six crossings part a ray into seven pieces at most.
 const uint MOST_PIECES = 7u;
 
-// Where the ray next crosses a side's surface after t.
-float next_side(Crossing c, float t) {
-    float next = 3e38;
+// Where the ray crosses the sides' surfaces, two places a side.
+struct SideCrossings {
+    vec3 first;
+    vec3 second;
+};
+
+SideCrossings side_crossings(Crossing c) {
+    SideCrossings sides;
     for (uint i = 0u; i < 3u; i++) {
         vec2 found = roots(c.constant[i], c.linear[i], c.square[i]);
-        if (found.x > t) next = min(next, found.x);
-        if (found.y > t) next = min(next, found.y);
+        sides.first[i] = found.x;
+        sides.second[i] = found.y;
     }
-    return next;
+    return sides;
+}
+
+// The first of them after t.
+float next_side(SideCrossings sides, float t) {
+    vec3 next = min(mix(sides.first, vec3(3e38), lessThanEqual(sides.first, vec3(t))),
+                    mix(sides.second, vec3(3e38), lessThanEqual(sides.second, vec3(t))));
+    return min(next.x, min(next.y, next.z));
+}
+
+// False only for rays that pass a beam by. A ray that meets the beam meets a line of light in it, which is
+// a mean of the edges in place and in direction. So the ray's sides of the edges, as triple products, have a mean of 0 but
+// for a third of what the edges' differences make of it at most.
+bool may_meet(Beam beam, vec3 origin, vec3 direction, float length) {
+    vec2 range = beam_range(beam);
+    float from = dot(beam.normal, origin - beam.corners[0].origin);
+    float to = from + length * dot(beam.normal, direction);
+    if (max(from, to) < range.x || min(from, to) > range.y) return false;
+    vec3 sides, spreads;
+    for (uint i = 0u; i < 3u; i++) {
+        BeamCorner a = beam.corners[i];
+        BeamCorner b = beam.corners[(i + 1u) % 3u];
+        sides[i] = dot(cross(direction, a.way), a.origin - origin);
+        spreads[i] = abs(dot(cross(direction, a.way - b.way), a.origin - b.origin));
+    }
+    float spread = max(spreads.x, max(spreads.y, spreads.z)) / 3.0;
+    float low = min(sides.x, min(sides.y, sides.z));
+    float high = max(sides.x, max(sides.y, sides.z));
+    spread += 1e-5 * max(abs(low), abs(high));
+    return low <= spread && high >= -spread;
+}
+
+// The first part of the ray from `from` on whose barycentrics are positive; nothing of it where there is none. Between
+// crossings all are as they are in the middle.
+vec2 next_inside(Crossing c, vec2 part, float from) {
+    SideCrossings sides = side_crossings(c);
+    vec2 found = vec2(part.y);
+    float start = max(part.x, from);
+    for (uint piece = 0u; piece < MOST_PIECES; piece++) {
+        float end = min(next_side(sides, start), part.y);
+        bool first = found.x >= part.y && start < end && has_one_sign(c, 0.5 * (start + end));
+        if (first) found = vec2(start, end);
+        start = end;
+    }
+    return found;
 }
 
 // The paper's interval (section 5.1, after Ernst et al. 2005): a plane through the ray, as nearly parallel to the beam's

@@ -21,13 +21,6 @@ float area_over(Area area, float u) {
     return abs(area.constant + u * (area.linear + u * area.square));
 }
 
-// Where between -reach and reach the area is least, if it has no root there.
-float least_at(Area area, float reach) {
-    float vertex = -0.5 * area.linear / area.square;
-    if (area.square > 0.0 && abs(vertex) < reach) return vertex;
-    return area_over(area, -reach) < area_over(area, reach) ? -reach : reach;
-}
-
 // The angle of the point (x, y), y >= 0. GLSL's own is good to 2^-11 only.
 float angle_of(float y, float x) {
     float size = sqrt(x * x + y * y);
@@ -42,7 +35,6 @@ float angle_of(float y, float x) {
 // it. The first is 2 extent / inner times atan(z) / z or atanh(z) / z, with inner = constant - square extent^2 and
 // z = extent sqrt(|discriminant|) / inner: nothing cancels where the discriminant does, since z is small there.
 vec2 inverse_moments(Area area, float extent, float floor_area) {
-    // Four Gauss points, enough for areas that vary by a factor of 16.
     const vec2 PLACES = vec2(0.861136312, 0.339981044);
     const vec2 WEIGHTS = vec2(0.347854845, 0.652145155);
     vec2 sums = vec2(0.0);
@@ -55,6 +47,9 @@ vec2 inverse_moments(Area area, float extent, float floor_area) {
     float discriminant = area.linear * area.linear - 4.0 * area.square * area.constant;
     float size = extent * sqrt(abs(discriminant));
     float smallest = min(area_over(area, -extent), area_over(area, extent));
+    float largest = max(area_over(area, -extent), area_over(area, extent));
+    // So little variation leaves less than 1e-6.
+    if (largest < 2.0 * smallest) return sums;
     if (smallest < floor_area || (discriminant >= 0.0 && !(inner > size))) return sums;
     float exact;
     if (inner > 0.0 && size < 0.1 * inner) {

@@ -2,7 +2,7 @@
 //! camera sees straight, without a specular surface on the way; tiles serve the rest.
 
 use super::options::{Bounds, Options, Tier};
-use super::{BeamBuffers, ShadePush, VolumePush};
+use super::{BeamBuffers, ShadePush, VolumePush, by_media};
 use crate::frame::Frame;
 use crate::gpu::{
     Bindings, Buffer, Capability, Device, GpuError, GpuStruct as _, Kernel, Raster, RasterStages, RasterTargets,
@@ -94,6 +94,7 @@ impl Hulls {
             let sums = Buffer::new(device, fragment, u64::from(width) * u64::from(rows) * SUM_BYTES)?;
             Ok(Layer { raster: Raster::of_stages(device, &stages, &targets)?, targets, sums })
         };
+        let volume_name = by_media(context, ["beams/light_volume", "beams/light_volume_grids"]);
         let hulls = if points { 0 } else { u64::from(beams.capacity) * Hull::LAYOUT.size as u64 };
         let draws = Buffer::new(device, "hull draws", 16)?;
         let push = ExtrudePush {
@@ -112,7 +113,7 @@ impl Hulls {
                 .buffer("HullDraws", &draws),
             draws,
             surface: (!options.footprints).then(|| layer("beams/light")).transpose()?,
-            volume: context.frame.film.has_volume().then(|| layer("beams/light_volume")).transpose()?,
+            volume: context.frame.film.has_volume().then(|| layer(volume_name)).transpose()?,
         }))
     }
 

@@ -123,7 +123,10 @@ impl Accumulator {
         let listed = context.frame.adaptive().is_some();
         let variant = context.tracer.backend.variant();
         let volume = match context.frame.film.has_volume() {
-            true => Some((Kernel::new(device, "beams/gather_volume", variant)?, volume_push(&options))),
+            true => Some((
+                Kernel::new(device, by_media(context, ["beams/gather_volume", "beams/gather_volume_grids"]), variant)?,
+                volume_push(&options),
+            )),
             false => None,
         };
         let shade = ShadePush {
@@ -204,6 +207,11 @@ impl Accumulator {
     pub fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
         counters::read(&self.tallies)
     }
+}
+
+/// The second where a medium has a density grid: software drivers pay for its code wherever it is.
+fn by_media(context: &Context<'_>, names: [&'static str; 2]) -> &'static str {
+    names[usize::from(!context.scene.densities.is_empty())]
 }
 
 fn volume_push(options: &Options) -> VolumePush {
