@@ -96,10 +96,17 @@ void make_vertex(uint view, ivec2 at) {
     lattice_places[number] = LatticePlace(view, uint(at.x), uint(at.y), 0u);
 }
 
-// The chart's coordinates of a place on the lattice, which jitter may have moved.
+// Where a place on the lattice, which jitter may have moved, is drawn in to: the border of the view's rectangle for what lies
+// beyond it, since the next face of a cube sees that.
+vec2 drawn_in(vec2 at, vec2 jitter) {
+    float side = float(1u << settings.levels);
+    return clamp(at, jitter * side, (jitter + float(settings.grid - 1u)) * side);
+}
+
+// The chart's coordinates of a place on the lattice.
 vec2 lattice_chart(LightView v, vec2 at, vec2 jitter) {
     // One coarse cell more than the rectangle needs, which is what the lattice can move by.
     vec2 cell = (v.upper - v.lower) / float(settings.grid - 1u);
     vec2 lower = v.lower - jitter * cell;
-    return lower + at / float(1u << settings.levels) * cell;
+    return lower + drawn_in(at, jitter) / float(1u << settings.levels) * cell;
 }
