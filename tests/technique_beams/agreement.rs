@@ -16,7 +16,7 @@ const TIERS: f64 = 1e-3;
 /// Of back-ends: hits differ in their last bits, a landing by a hair, and a beam may be split where another is not.
 const BACK_ENDS: f64 = 5e-3;
 
-const SMALL: [&str; 4] = ["beams.grid=8", "beams.levels=3", "beams.bounces=1", "beams.vertices=65536"];
+const SMALL: [&str; 4] = ["beams.grid=6", "beams.levels=3", "beams.bounces=1", "beams.vertices=65536"];
 
 /// The pool with waves, in water that scatters.
 fn turbid() -> Scene {

@@ -90,13 +90,13 @@ fn made(request: &Request, scene: Scene, set: &[&str]) -> (Vec<LightView>, Gener
     Stage::new(request, scene, (16, 12), Sampling::Uniform).generate(&[&own[..], set].concat())
 }
 
-/// Chart coordinates of the corners of a cell, of a lattice that has not moved.
+/// Chart coordinates of the corners of a cell, of a lattice that has not moved; its last cells are beyond the view.
 fn rectangle(view: &LightView, cell: u32) -> [[f64; 2]; 2] {
     let at = [cell % GRID, cell / GRID % GRID];
     [0, 1].map(|axis: usize| {
         let lower = f64::from(view.lower[axis]);
         let size = (f64::from(view.upper[axis]) - lower) / f64::from(GRID - 1);
-        [0, 1].map(|end| lower + f64::from(at[axis] + end) * size)
+        [0, 1].map(|end| (lower + f64::from(at[axis] + end) * size).min(view.upper[axis].into()))
     })
 }
 
@@ -152,10 +152,17 @@ pub fn light(request: &Request) {
                 Emitter::Point { intensity, .. } | Emitter::Spot { intensity, .. } => (solid_angle(area), intensity),
             };
             for c in 0..3 {
-                let error = (flux[c] / (measure * f64::from(strength[c])) - 1.0).abs();
+                let expected = measure * f64::from(strength[c]);
+                let error = (flux[c] - expected).abs() / expected.max(1e-6);
                 assert!(error < QUADRATURE, "{what}, cell {cell}: {flux:?} W in {measure} sr or m2");
                 worst = worst.max(error);
             }
+        }
+        if what == "cube" {
+            // All round, once.
+            let expected = 2.0 * 4.0 * std::f64::consts::PI;
+            let found = total(&cells, 1);
+            assert!(found < (1.0 + QUADRATURE) * expected && found > 0.5 * expected, "{found} of {expected} W");
         }
         println!("{what}: cells are off by {worst:.1e} at the most");
         let (_, moved) = made(request, parse(&lit(text)), &[]);
