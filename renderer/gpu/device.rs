@@ -10,6 +10,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::capability::{Capabilities, Capability};
 use super::kernel::MadeKernels;
+use super::raster::MadeRasters;
 use super::survey::{DeviceInfo, choose, survey};
 use super::{GpuError, Instance, Quirks};
 #[cfg(feature = "viewer")]
@@ -57,6 +58,7 @@ pub struct DeviceInner {
     #[cfg(feature = "hot-reload")]
     pub(crate) kernels: super::reload::LiveKernels,
     pub(crate) made: MadeKernels,
+    pub(crate) made_rasters: MadeRasters,
     held: AtomicU64,
     peak: AtomicU64,
     pub(super) instance: Arc<Instance>,
@@ -141,6 +143,7 @@ impl Device {
             #[cfg(feature = "hot-reload")]
             kernels: Default::default(),
             made: MadeKernels::default(),
+            made_rasters: MadeRasters::default(),
             held: AtomicU64::new(0),
             peak: AtomicU64::new(0),
             instance: instance.clone(),
@@ -218,6 +221,7 @@ impl Drop for DeviceInner {
         unsafe {
             let _ = self.raw.device_wait_idle();
             self.made.clear();
+            self.made_rasters.clear();
             ManuallyDrop::drop(&mut self.allocator);
             self.raw.destroy_device(None);
         }

@@ -1,6 +1,7 @@
 //! A raster pipeline with vertices pulled from buffers, drawn by dynamic rendering.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
@@ -34,7 +35,7 @@ impl RasterStages<'_> {
 }
 
 /// What becomes of a pixel that several triangles cover.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Mixing {
     /// The nearest wins. Nearer is larger in depth (reversed, infinite far plane).
     Nearest,
@@ -43,7 +44,7 @@ enum Mixing {
 }
 
 /// What a pipeline is made for.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct State {
     color: vk::Format,
     /// `UNDEFINED` for none.
@@ -52,9 +53,31 @@ struct State {
     points: bool,
 }
 
-/// A vertex, perhaps a geometry, and a fragment stage. Clones share it.
+/// A vertex, perhaps a geometry, and a fragment stage. Clones share it, and so do all of the same stages on a device.
 #[derive(Clone)]
-pub struct Raster(Arc<RasterInner>);
+pub struct Raster {
+    inner: Arc<RasterInner>,
+    // Keeps the pipeline's device open.
+    _device: Device,
+}
+
+/// Names, stages and variants of the modules, and what the pipeline is made for.
+type MadeKey = (Vec<(String, &'static str, String)>, State);
+
+/// The raster pipelines that a device has made; they live as long as it.
+#[derive(Default)]
+pub(crate) struct MadeRasters(Mutex<HashMap<MadeKey, Arc<RasterInner>>>);
+
+impl MadeRasters {
+    fn lock(&self) -> MutexGuard<'_, HashMap<MadeKey, Arc<RasterInner>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Destroys them all; the device is about to be closed.
+    pub(crate) fn clear(&self) {
+        self.lock().clear();
+    }
+}
 
 pub(crate) struct RasterInner {
     name: String,
@@ -65,8 +88,6 @@ pub(crate) struct RasterInner {
     state: State,
     #[cfg(feature = "hot-reload")]
     modules: Vec<ModuleName>,
-    // Keeps the pipeline's device open, and is dropped after it: fields go in their order.
-    _device: Device,
 }
 
 /// What is drawn into: one colour target, and its depth where the nearest wins.
@@ -110,32 +131,44 @@ impl Raster {
 
     /// The pipeline of these stages for targets like `targets`; its name is the fragment stage's.
     pub fn of_stages(device: &Device, stages: &RasterStages<'_>, targets: &RasterTargets) -> Result<Self, GpuError> {
-        let name = stages.fragment;
-        let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
-        let modules = stages.modules();
-        let words: Vec<Vec<u32>> = modules
-            .iter()
-            .map(|&(name, stage, variant)| module_words(name, stage, variant))
-            .collect::<Result<_, _>>()?;
-        let interfaces: Vec<Interface> =
-            words.iter().map(|words| reflect(words).map_err(error)).collect::<Result<_, _>>()?;
-        let flags = modules.iter().fold(vk::ShaderStageFlags::empty(), |all, (_, stage, _)| all | stage_flag(stage));
-        let layout = Arc::new(PipelineLayout::new(device, name, &interfaces.iter().collect::<Vec<_>>(), flags)?);
         let state = targets.state(stages.geometry.is_some());
-        let inner = Arc::new(RasterInner {
-            name: name.to_string(),
-            pipeline: PipelineSlot::new(pipeline(device, name, &layout, state, &words)?),
-            layout,
-            #[cfg(feature = "hot-reload")]
-            state,
-            #[cfg(feature = "hot-reload")]
-            modules: modules.iter().map(|&(name, stage, variant)| ModuleName::new(name, stage, variant)).collect(),
-            _device: device.clone(),
-        });
-        #[cfg(feature = "hot-reload")]
-        super::reload::register(device, inner.clone())?;
-        Ok(Raster(inner))
+        let owned = |(name, stage, variant): (&str, &'static str, &str)| (name.to_string(), stage, variant.to_string());
+        let key: MadeKey = (stages.modules().into_iter().map(owned).collect(), state);
+        let made = device.made_rasters.lock().get(&key).cloned();
+        let inner = match made {
+            Some(inner) => inner,
+            // Not under the lock: others need not wait while this one compiles.
+            None => {
+                let inner = make(device, stages, state)?;
+                device.made_rasters.lock().entry(key).or_insert(inner).clone()
+            }
+        };
+        Ok(Raster { inner, _device: device.clone() })
     }
+}
+
+fn make(device: &Device, stages: &RasterStages<'_>, state: State) -> Result<Arc<RasterInner>, GpuError> {
+    let name = stages.fragment;
+    let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
+    let modules = stages.modules();
+    let words: Vec<Vec<u32>> =
+        modules.iter().map(|&(name, stage, variant)| module_words(name, stage, variant)).collect::<Result<_, _>>()?;
+    let interfaces: Vec<Interface> =
+        words.iter().map(|words| reflect(words).map_err(error)).collect::<Result<_, _>>()?;
+    let flags = modules.iter().fold(vk::ShaderStageFlags::empty(), |all, (_, stage, _)| all | stage_flag(stage));
+    let layout = Arc::new(PipelineLayout::new(device, name, &interfaces.iter().collect::<Vec<_>>(), flags)?);
+    let inner = Arc::new(RasterInner {
+        name: name.to_string(),
+        pipeline: PipelineSlot::new(pipeline(device, name, &layout, state, &words)?),
+        layout,
+        #[cfg(feature = "hot-reload")]
+        state,
+        #[cfg(feature = "hot-reload")]
+        modules: modules.iter().map(|&(name, stage, variant)| ModuleName::new(name, stage, variant)).collect(),
+    });
+    #[cfg(feature = "hot-reload")]
+    super::reload::register(device, inner.clone())?;
+    Ok(inner)
 }
 
 fn stage_flag(stage: &str) -> vk::ShaderStageFlags {
@@ -264,7 +297,7 @@ impl Pass<'_> {
         bindings: &[&Bindings],
         what: Vertices<'_, P>,
     ) -> Result<&mut Self, GpuError> {
-        let inner = &raster.0;
+        let inner = &raster.inner;
         let sets = self.descriptors().sets(&inner.name, &inner.layout, bindings, size_of::<P>())?;
         let pipeline = inner.pipeline.get();
         self.hold(&pipeline);

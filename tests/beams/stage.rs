@@ -6,10 +6,12 @@ use glam::{DVec3, dvec3};
 use nephroid::frame::{Frame, Sampling, VisiblePoint};
 use nephroid::gpu::{Binding, Buffer, Device, Recorder};
 use nephroid::gpu_scene::GpuScene;
+use nephroid::light_view::{LightView, LightViewTier, LightViews};
 use nephroid::scene::{self, Scene};
-use nephroid::technique::Context;
 use nephroid::technique::beams::accumulate::{Accumulator, BeamBuffers, Options};
 use nephroid::technique::beams::beam::{Beam, BeamHeader};
+use nephroid::technique::beams::generate::Generator;
+use nephroid::technique::{Context, Settings, TechniqueKind};
 use nephroid::trace::{self, TraceChoice, Tracer};
 use nephroid::view::{Band, View};
 
@@ -79,6 +81,21 @@ impl Stage {
         };
         let Stage { device, scene, tracer, frame } = self;
         Accumulator::with_options(options, &Context { device, scene, tracer, frame, seed: 0 }, &buffers).unwrap()
+    }
+
+    /// The scene's light views, and a generator that has made the first set of beams.
+    pub fn generate(&self, set: &[&str]) -> (Vec<LightView>, Generator) {
+        let items: Vec<String> = set.iter().map(|item| item.to_string()).collect();
+        let settings = Settings::parse(TechniqueKind::Beams, &items).unwrap();
+        let Stage { device, scene, tracer, frame } = self;
+        let views = LightViews::new(device, scene, tracer, 2, LightViewTier::Rays).unwrap();
+        let context = Context { device, scene, tracer, frame, seed: 0 };
+        let generator = Generator::new(&settings, &context, &views).unwrap();
+        let mut recorder = Recorder::new(device).unwrap();
+        generator.record(frame, &mut recorder, 0).unwrap();
+        recorder.submit().unwrap();
+        assert_valid(device);
+        (views.views().to_vec(), generator)
     }
 
     /// Each slot's point and its irradiance, in sample `index`.

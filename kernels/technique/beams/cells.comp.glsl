@@ -2,6 +2,7 @@
 // a quadrature of its own, fine enough for cones and images.
 #include "technique/beams/common.glsl"
 #include "technique/beams/leaf.glsl"
+#include "technique/beams/ledger.glsl"
 
 layout(push_constant) uniform CellsPush {
     vec2 jitter; // of the lattice, in coarse cells
@@ -17,7 +18,7 @@ void main() {
     LightView v = light_views[cell / per_view];
     uint place = cell % per_view;
     vec2 low = vec2(place % settings.grid, place / settings.grid);
-    vec2 size = (v.upper - v.lower) / float(settings.grid - 1u);
+    vec2 size = coarse_cell(v);
     // Gauss-Legendre's two points in each of the parts along a side.
     vec3 flux = vec3(0.0);
     uint parts = push.points / 2u;
@@ -39,4 +40,5 @@ void main() {
     }
     cell_scales[cell] = vec4(mix(vec3(0.0), flux / max(sum, vec3(1e-37)), greaterThan(sum, vec3(0.0))), 0.0);
     cell_fluxes[cell] = vec4(flux, 0.0);
+    book(LEDGER_EMITTED, flux, settings.ledger_unit);
 }

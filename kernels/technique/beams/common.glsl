@@ -28,9 +28,9 @@ struct BeamSettings {
     float reach;        // m: how far rays that meet nothing are followed
     float ledger_unit;  // W
     float extent;       // of the fluence at its start, below which an edge that meets nothing ends; 0: after `reach`
+    uint margin;        // coarse cells by which the lattice is larger than the view, and can move
+    uint buffered;      // 1: what the light sees is in the view's texels, which lie on the lattice; 0: it is traced
     uint padding0;
-    uint padding1;
-    uint padding2;
 };
 
 const uint RULE_SURFACE = 1u;
@@ -96,10 +96,13 @@ void make_vertex(uint view, ivec2 at) {
     lattice_places[number] = LatticePlace(view, uint(at.x), uint(at.y), 0u);
 }
 
+// Of the lattice, in the chart.
+vec2 coarse_cell(LightView v) {
+    return (v.upper - v.lower) / float(settings.grid - settings.margin);
+}
+
 // The chart's coordinates of a place on the lattice, which jitter may have moved.
 vec2 lattice_chart(LightView v, vec2 at, vec2 jitter) {
-    // One coarse cell more than the rectangle needs, which is what the lattice can move by.
-    vec2 cell = (v.upper - v.lower) / float(settings.grid - 1u);
-    vec2 lower = v.lower - jitter * cell;
-    return lower + at / float(1u << settings.levels) * cell;
+    vec2 cell = coarse_cell(v);
+    return v.lower - jitter * cell + at / float(1u << settings.levels) * cell;
 }

@@ -49,7 +49,9 @@ void book_start(BeamLeaf leaf, vec3 power) {
         vec3 way = v.perspective != 0u ? ray.position - v.origin : v.forward * dot(ray.position - v.origin, v.forward);
         float distance = length(way);
         vec3 from = ray.position - way;
-        vec3 left = travel(power, lights[v.light].medium, from, way / max(distance, 1e-20), distance);
+        uint medium = lights[v.light].medium;
+        vec3 left = v.perspective != 0u ? power : travel(power, medium, from, -v.forward, FAR_AWAY);
+        left = travel(left, medium, from, way / max(distance, 1e-20), distance);
         book_loss(left - passed_on(power, vertex, 0u), ray.source);
     }
 }

@@ -12,6 +12,20 @@ layout(push_constant) uniform JitterPush {
     uint padding1;
 } push;
 
+layout(set = 3, binding = 21, std430) readonly buffer LightTexels { LightTexel light_texels[]; };
+
+// What the light's own ray meets, as the view's texel at that vertex has it.
+void look_up(LightView v, LatticePlace place, inout BeamVertex ray) {
+    uvec2 at = uvec2(place.column, place.row);
+    LightTexel specular = light_texels[light_texel_index(v, LIGHT_SPECULAR, at)];
+    LightTexel opaque = light_texels[light_texel_index(v, LIGHT_OPAQUE, at)];
+    if (!lit_specular(specular, opaque)) return;
+    ray.target = specular.instance;
+    ray.primitive = specular.primitive;
+    ray.barycentrics = packUnorm2x16(specular.barycentrics);
+    ray.distance = specular.depth;
+}
+
 // What happens to a ray at the surface it has met: its own next ray, as far as it is known before it is traced. False where
 // nothing goes on in that sheet.
 bool branch(BeamVertex before, vec3 arriving, bool refracts, out BeamVertex next, out vec3 origin) {
@@ -75,6 +89,10 @@ void main() {
                                   NO_INSTANCE, 0u, 0u);
     vec2 chart = lattice_chart(v, vec2(place.column, place.row), push.jitter);
     light_ray(v, chart, first.position, first.direction);
+    if (v.perspective == 0u) {
+        // It has come through all of the medium that lies before the plane on which the view starts.
+        first.throughput = transmittance(first.medium, first.position, -first.direction, FAR_AWAY);
+    }
 
     // The first turn is the light's own ray.
     for (uint turn = 0u; turn <= settings.sheets; turn++) {
@@ -91,6 +109,10 @@ void main() {
             vec3 arriving = before.throughput *
                             transmittance(before.medium, before.position, before.direction, before.distance);
             if (!branch(before, arriving, (sheet & 1u) == 0u, next, origin)) continue;
+        }
+        if (turn == 0u && settings.buffered != 0u) {
+            look_up(v, place, first);
+            continue;
         }
         Hit hit = trace_closest(Ray(origin, 0.0, next.direction, 1e30), MASK_ALL);
         next.target = hit.instance;

@@ -20,7 +20,7 @@ uint eighth(ivec2 way) {
 
 // W through the triangle, by a quadrature that is exact for quadratics.
 vec3 power_through(LightView v, ivec2 a, ivec2 b, ivec2 c) {
-    vec2 cell = (v.upper - v.lower) / float(settings.grid - 1u) / float(1u << settings.levels);
+    vec2 cell = coarse_cell(v) / float(1u << settings.levels);
     ivec2 ab = b - a;
     ivec2 ac = c - a;
     float area = 0.5 * abs(float(ab.x * ac.y - ab.y * ac.x)) * cell.x * cell.y;

@@ -26,7 +26,8 @@ const TALLY_NAMES: [&str; 6] =
     ["total_reflections", "branches_cut", "rejected_wrong_side", "non_finite", "beams_silhouette", "beams_too_wide"];
 /// Words of tallies before the ledger, as in `ledger.glsl`.
 const TALLY_COUNT: usize = 8;
-const LEDGER_NAMES: [&str; 7] = ["missed", "landed", "absorbed", "scattered", "escaped", "cut", "silhouette"];
+const LEDGER_NAMES: [&str; 8] =
+    ["missed", "landed", "absorbed", "scattered", "escaped", "cut", "silhouette", "emitted"];
 
 crate::gpu_struct! {
     /// What stays for a set of beams; see `kernels/technique/beams/common.glsl`.
@@ -52,9 +53,9 @@ crate::gpu_struct! {
         pub reach: f32,
         pub ledger_unit: f32,
         pub extent: f32,
+        pub margin: u32,
+        pub buffered: u32,
         pub padding0: u32,
-        pub padding1: u32,
-        pub padding2: u32,
     }
 }
 
@@ -202,7 +203,7 @@ impl Kernels {
 /// Makes sets of beams for one scene and camera.
 pub struct Generator {
     kernels: Kernels,
-    bindings: Bindings,
+    pub(super) bindings: Bindings,
     pub beams: BeamBuffers,
     state: Buffer,
     lattice_map: Buffer,
@@ -295,7 +296,7 @@ impl Generator {
             scan_totals,
             sizes,
             settings: numbers,
-            jittered: settings.choice("jitter") == "on",
+            jittered: jitters(settings),
             smooth_area: settings.choice("area") == "vertex",
             seed: random::combine(context.seed, 0x6265_616d),
         })
@@ -373,16 +374,17 @@ impl Generator {
         Ok(())
     }
 
-    /// Where the light of one set went on average; W of the mean channel.
+    /// Where the light of one set went on average, after what was emitted; W of the mean channel.
     pub fn ledger(&self, sets: u32) -> Result<Vec<LedgerEntry>, GpuError> {
         let words: Vec<u32> = self.tallies.read(TALLY_COUNT + 2 * LEDGER_NAMES.len())?;
         let scale = f64::from(self.settings.ledger_unit) / f64::from(sets.max(1));
-        let emitted: f64 = self.cell_flux()?.iter().map(|flux| flux.iter().sum::<f64>() / 3.0).sum();
         let entries = LEDGER_NAMES.iter().zip(words[TALLY_COUNT..].chunks_exact(2)).map(|(name, pair)| LedgerEntry {
             name,
             watts: (f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])) * scale,
         });
-        Ok(std::iter::once(LedgerEntry { name: "emitted", watts: emitted }).chain(entries).collect())
+        let mut entries: Vec<LedgerEntry> = entries.collect();
+        entries.rotate_right(1);
+        Ok(entries)
     }
 
     /// W through each cell of the coarse grids, rgb, of the last set.
@@ -448,10 +450,15 @@ fn numbers(settings: &Settings, context: &Context<'_>, views: u32) -> BeamSettin
         reach: context.scene.reach(),
         ledger_unit: (most_flux(context.scene) / LEDGER_UNITS).max(f32::MIN_POSITIVE),
         extent: settings.number("extent"),
+        margin: jitters(settings).into(),
+        buffered: (settings.choice("light") != "rays").into(),
         padding0: 0,
-        padding1: 0,
-        padding2: 0,
     }
+}
+
+/// Whether lattices move from set to set: not over texels that stay.
+fn jitters(settings: &Settings) -> bool {
+    settings.choice("jitter") == "on" && settings.choice("light") == "rays"
 }
 
 /// The bits of `RULE_*` in `common.glsl`.

@@ -3,6 +3,7 @@
 pub mod accumulate;
 pub mod beam;
 pub mod generate;
+pub mod inspect;
 mod settings;
 
 pub use settings::SETTINGS;
@@ -26,14 +27,36 @@ pub struct Beams {
     generator: Generator,
     accumulator: Accumulator,
     reuse: u32,
+    /// Whether the views' texels are looked up.
+    buffered: bool,
+}
+
+/// Texels along a side of a light's view where none are looked up, the fewest there can be.
+const UNUSED_TEXELS: u32 = 2;
+
+/// Texels along a side of a light's view: one at each place where a vertex can be.
+fn texels(settings: &Settings) -> u32 {
+    (settings.integer("grid") << settings.integer("levels")) + 1
 }
 
 impl Beams {
     pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
-        let views = LightViews::new(context.device, context.scene, context.tracer, 2, LightViewTier::Rays)?;
+        let (tier, resolution) = match settings.choice("light") {
+            "raster" => (LightViewTier::Auto, texels(settings)),
+            "cast" => (LightViewTier::Rays, texels(settings)),
+            _ => (LightViewTier::Rays, UNUSED_TEXELS),
+        };
+        let views = LightViews::new(context.device, context.scene, context.tracer, resolution, tier)?;
         let generator = Generator::new(settings, context, &views)?;
         let accumulator = Accumulator::new(settings, context, &generator.beams)?;
-        Ok(Beams { settings: settings.clone(), views, generator, accumulator, reuse: settings.integer("reuse") })
+        Ok(Beams {
+            settings: settings.clone(),
+            views,
+            generator,
+            accumulator,
+            reuse: settings.integer("reuse"),
+            buffered: settings.choice("light") != "rays",
+        })
     }
 }
 
@@ -48,6 +71,9 @@ impl Technique for Beams {
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         if self.generator.has_light() {
             let new_beams = index.is_multiple_of(self.reuse);
+            if new_beams && self.buffered {
+                self.views.record(recorder, &frame.bindings)?;
+            }
             if new_beams {
                 self.generator.record(frame, recorder, index / self.reuse)?;
             }

@@ -29,7 +29,7 @@ const GENERATION: &[Setting] = &[
     Setting {
         key: "levels",
         kind: SettingKind::Integer { min: 0, max: 8 },
-        default: "5",
+        default: "4",
         unit: "",
         help: "How often a cell can be split in four",
     },
@@ -67,6 +67,14 @@ const GENERATION: &[Setting] = &[
         default: "on",
         unit: "",
         help: "Whether grids move from set to set, which averages out where beams begin and end",
+    },
+    Setting {
+        key: "light",
+        kind: SettingKind::Choice(&["rays", "raster", "cast"]),
+        default: "rays",
+        unit: "",
+        help: "How what a light sees first is found: by a ray for each vertex that there is, or before in a buffer of all places \
+               where one can be, rastered where the device can or ray cast; grids do not move then",
     },
     Setting {
         key: "split_surface",
@@ -114,7 +122,7 @@ const GENERATION: &[Setting] = &[
     Setting {
         key: "pixels",
         kind: SettingKind::Number { min: 0.0, max: 1000.0 },
-        default: "1",
+        default: "0.3",
         unit: "pixels",
         help: "Width, as seen at the point of the beam's central ray nearest to the camera, below which no beam is split",
     },
@@ -136,7 +144,7 @@ const GENERATION: &[Setting] = &[
     Setting {
         key: "deviation",
         kind: SettingKind::Number { min: 0.001, max: 1000.0 },
-        default: "0.5",
+        default: "0.2",
         unit: "pixels",
         help: "How far the middle between two edges may land beside the mean of theirs",
     },

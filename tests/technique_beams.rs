@@ -1,0 +1,97 @@
+//! The technique `beams` from lights to pictures: closed forms, a truth made elsewhere, the reference, and itself.
+
+#[path = "technique_beams/agreement.rs"]
+mod agreement;
+mod beams;
+mod common;
+#[path = "technique_beams/extremes.rs"]
+mod extremes;
+#[path = "technique_beams/lattice.rs"]
+mod lattice;
+#[path = "technique_beams/ledger.rs"]
+mod ledger;
+#[path = "technique_beams/pictures.rs"]
+mod pictures;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use common::{Case, Request};
+use nephroid::gpu::Capability;
+use nephroid::render::{Picture, RenderSettings};
+use nephroid::scene::{self, Scene};
+use nephroid::technique::TechniqueKind;
+
+fn main() -> ExitCode {
+    common::run(&[
+        Case { name: "leaves_add_up_to_the_light", needs: &[], disable: "", run: lattice::light },
+        Case { name: "leaves_tile_the_lattice", needs: &[], disable: "", run: lattice::tiles },
+        Case { name: "each_rule_splits", needs: &[], disable: "", run: lattice::rules },
+        Case { name: "light_is_accounted_for", needs: &[], disable: "", run: ledger::adds_up },
+        Case { name: "the_sun_comes_through_its_medium", needs: &[], disable: "", run: ledger::sun },
+        Case { name: "flat_water_is_the_closed_form", needs: &[], disable: "", run: pictures::flat_water },
+        Case { name: "waves_are_the_truth", needs: &[], disable: "", run: pictures::waves },
+        Case { name: "a_ball_of_glass_is_the_reference", needs: &[], disable: "", run: pictures::glass_sphere },
+        Case { name: "tiers_agree", needs: &[Capability::Graphics], disable: "", run: agreement::tiers },
+        Case { name: "back_ends_agree", needs: &[], disable: "", run: agreement::back_ends },
+        Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: agreement::equal_bits },
+        Case { name: "a_frame_alone_is_the_frame_in_its_row", needs: &[], disable: "", run: agreement::frame_alone },
+        Case { name: "adaptive_samples_keep_the_light", needs: &[], disable: "", run: agreement::adaptive },
+        Case { name: "extreme_light_is_finite", needs: &[], disable: "", run: extremes::light },
+        Case { name: "extreme_media_are_finite", needs: &[], disable: "", run: extremes::media },
+        Case { name: "light_that_looks_elsewhere_is_told", needs: &[], disable: "", run: extremes::elsewhere },
+    ])
+}
+
+fn load(name: &str) -> Scene {
+    scene::load(&Path::new("scenes").join(name)).unwrap()
+}
+
+/// The pool with less water, so that it is quick.
+fn pool() -> Scene {
+    let text = std::fs::read_to_string("scenes/pool.toml").unwrap().replace("quads = [256, 256]", "quads = [64, 64]");
+    scene::parse(&text, Path::new("scenes/pool.toml")).unwrap()
+}
+
+/// A picture by beams that `change` sets up further.
+fn render(request: &Request, scene: Scene, set: &[&str], change: impl FnOnce(&mut RenderSettings)) -> Picture {
+    request.render(scene, |s| {
+        s.technique = TechniqueKind::Beams;
+        s.size = Some((24, 18));
+        s.samples = Some(1);
+        s.set = set.iter().map(|item| item.to_string()).collect();
+        change(s);
+    })
+}
+
+fn watts(picture: &Picture, name: &str) -> f64 {
+    picture.stats.ledger.iter().find(|entry| entry.name == name).unwrap().watts
+}
+
+fn counter(picture: &Picture, name: &str) -> f64 {
+    picture.stats.counters.iter().find(|entry| entry.name == name).unwrap().value
+}
+
+/// Asks that nothing was left out for being no number, or for want of room.
+fn assert_sound(picture: &Picture) {
+    for entry in &picture.stats.counters {
+        let wrong = entry.name.contains("non_finite") || entry.name.ends_with("_dropped");
+        assert!(!wrong || entry.value == 0.0, "{} {}", entry.value, entry.name);
+    }
+    for layer in &picture.image.layers {
+        for channel in &layer.channels {
+            assert!(channel.samples.iter().all(|v| v.is_finite()), "layer {} {}", layer.name, channel.name);
+        }
+    }
+}
+
+/// RMS difference over the mean, green.
+fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a[1] - b[1]).powi(2)).sum();
+    (squares * b.len() as f64).sqrt() / sum(b)
+}
+
+/// Of green.
+fn sum(pixels: &[[f32; 3]]) -> f64 {
+    pixels.iter().map(|p| f64::from(p[1])).sum()
+}

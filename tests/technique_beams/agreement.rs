@@ -1,0 +1,155 @@
+//! Ways to the same picture, and what moves it.
+
+use std::path::Path;
+
+use nephroid::gpu::Capability;
+use nephroid::render::{Picture, RenderSettings};
+use nephroid::scene::{self, Scene};
+use nephroid::technique::TechniqueKind;
+use nephroid::trace::TraceChoice;
+
+use crate::common::{Request, assert_valid, layer};
+use crate::{assert_sound, counter, difference, pool, render, sum};
+
+/// RMS difference over the mean: orders of sums, and a hull's edge.
+const TIERS: f64 = 1e-3;
+/// Of back-ends: hits differ in their last bits, a landing by a hair, and a beam may be split where another is not.
+const BACK_ENDS: f64 = 5e-3;
+
+const SMALL: [&str; 4] = ["beams.grid=8", "beams.levels=3", "beams.bounces=1", "beams.vertices=65536"];
+
+/// The pool with waves, in water that scatters.
+fn turbid() -> Scene {
+    let text = std::fs::read_to_string("scenes/turbid_pool.toml").unwrap();
+    let text = text.replace("quads = [256, 256]", "quads = [64, 64]");
+    scene::parse(&text, Path::new("scenes/turbid_pool.toml")).unwrap()
+}
+
+fn small(request: &Request, extra: &[&str], change: impl FnOnce(&mut RenderSettings)) -> Picture {
+    let picture = render(request, turbid(), &[&SMALL[..], extra].concat(), |s| {
+        s.size = Some((32, 24));
+        change(s);
+    });
+    assert_sound(&picture);
+    picture
+}
+
+/// Both layers of caustic light against those of another picture.
+fn assert_same(what: &str, picture: &Picture, truth: &Picture, bound: f64) {
+    for name in ["caustic", "caustic_volume"] {
+        let (found, expected) = (layer(&picture.image, name), layer(&truth.image, name));
+        assert!(sum(&expected) > 0.0, "{what}: no {name}");
+        let error = difference(&found, &expected);
+        println!("{what}, {name}: {error:.1e}");
+        assert!(error < bound, "{what}: {name} differs by {error}");
+    }
+}
+
+pub fn tiers(request: &Request) {
+    for footprint in ["beams.footprint=pixel", "beams.footprint=point"] {
+        let truth = small(request, &[footprint, "beams.accumulate=compute"], |_| {});
+        assert_eq!(counter(&truth, "beam_fragments_drawn"), 0.0);
+        for tier in ["vertices", "geometry"] {
+            let accumulate = format!("beams.accumulate={tier}");
+            let picture = small(request, &[footprint, &accumulate], |_| {});
+            assert!(counter(&picture, "beam_fragments_drawn") > 0.0, "{tier} draws nothing");
+            assert_same(&format!("{footprint} {tier}"), &picture, &truth, TIERS);
+        }
+    }
+    // What cannot be had is done in another way.
+    let truth = small(request, &[], |_| {});
+    for (disable, draws) in [("geometry-shader", true), ("graphics", false)] {
+        let picture = small(request, &["beams.accumulate=geometry"], |s| s.device = request.without(disable));
+        assert_eq!(counter(&picture, "beam_fragments_drawn") > 0.0, draws, "without {disable}");
+        assert_same(&format!("without {disable}"), &picture, &truth, TIERS);
+    }
+}
+
+pub fn back_ends(request: &Request) {
+    let truth = small(request, &[], |s| s.trace = "cwbvh".parse().unwrap());
+    let mut others: Vec<TraceChoice> = vec!["bvh2".parse().unwrap()];
+    if request.info.capabilities.has(Capability::RayQuery) {
+        others.push("ray-query".parse().unwrap());
+    }
+    for trace in others {
+        let picture = small(request, &[], |s| s.trace = trace);
+        assert_same(&format!("{trace:?}"), &picture, &truth, BACK_ENDS);
+    }
+}
+
+fn bits(picture: &Picture) -> Vec<u32> {
+    let layers = ["caustic", "caustic_volume", "final"].map(|name| layer(&picture.image, name));
+    layers.into_iter().flatten().flatten().map(f32::to_bits).collect()
+}
+
+pub fn equal_bits(request: &Request) {
+    let picture = |jitter: &str, seed: u32, samples: u32| {
+        bits(&small(request, &[jitter, "beams.reuse=1"], |s| {
+            s.seed = seed;
+            s.samples = Some(samples);
+        }))
+    };
+    let [on, off] = ["beams.jitter=on", "beams.jitter=off"];
+    let first = picture(on, 7, 3);
+    assert!(first == picture(on, 7, 3), "equal seeds gave different bits");
+    assert!(first != picture(on, 8, 3), "the seed has no effect");
+    assert!(picture(on, 7, 1) != picture(off, 7, 1), "jitter has no effect");
+    let mean = |jitter: &str| sum(&layer(&small(request, &[jitter], |_| {}).image, "caustic"));
+    // It moves beams' borders, not the light.
+    let ratio = mean(on) / mean(off);
+    assert!((ratio - 1.0).abs() < 0.02, "jitter changes the light to {ratio} of it");
+}
+
+pub fn frame_alone(request: &Request) {
+    let settings = RenderSettings {
+        device: request.device.clone(),
+        trace: "bvh".parse().unwrap(),
+        technique: TechniqueKind::Beams,
+        camera: Some("under".to_string()),
+        size: Some((24, 18)),
+        samples: Some(2),
+        set: SMALL.map(String::from).to_vec(),
+        ..Default::default()
+    };
+    let picture = |renderer: &mut nephroid::render::Renderer| {
+        for _ in 0..renderer.samples() {
+            renderer.sample().unwrap();
+        }
+        renderer.finish().unwrap()
+    };
+    let mut row = request.renderer(pool(), &settings);
+    let first = picture(&mut row);
+    for frame in [1, 5] {
+        row.go_to(frame).unwrap();
+    }
+    let in_row = picture(&mut row);
+    row.restart().unwrap();
+    let again = picture(&mut row);
+    assert_valid(row.device());
+    let alone = picture(&mut request.renderer(pool(), &RenderSettings { frame: 5, ..settings }));
+    for name in ["final", "caustic"] {
+        assert_eq!(layer(&in_row.image, name), layer(&alone.image, name), "{name}");
+        assert_eq!(layer(&again.image, name), layer(&alone.image, name), "{name} once more");
+    }
+    let moved = difference(&layer(&first.image, "caustic"), &layer(&alone.image, "caustic"));
+    assert!(moved > 0.05, "five frames moved the light by {moved}");
+    // The ledger is of this frame alone.
+    let ledgers = [&in_row, &again, &alone].map(|picture| crate::watts(picture, "landed"));
+    assert!(ledgers.iter().all(|watts| *watts == ledgers[0]), "{ledgers:?} W landed");
+}
+
+pub fn adaptive(request: &Request) {
+    let uniform = small(request, &[], |s| s.samples = Some(8));
+    let adaptive = small(request, &[], |s| {
+        s.samples = Some(8);
+        s.adaptive = true;
+    });
+    for name in ["caustic", "caustic_volume"] {
+        let (found, expected) = (layer(&adaptive.image, name), layer(&uniform.image, name));
+        let ratio = sum(&found) / sum(&expected);
+        println!("adaptive {name}: {ratio} of the light, difference {:.2e}", difference(&found, &expected));
+        // Two estimates of the same picture: what eight samples of pixels and two sets of beams leave.
+        assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio} of the light");
+    }
+    assert!(adaptive.stats.adaptive.is_some());
+}
