@@ -24,6 +24,7 @@ struct Row {
 pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
     let truth = Truth::of(options)?;
     let mut rows = Vec::new();
+    println!("grid                     beams  relRMSE   energy fragments  made ms added ms");
     let grid = [("grid", "64"), ("levels", "0"), ("least_level", "0")];
     rows.push(row(options, &truth, "static 64 x 64", &grid)?);
     for &levels in &options.levels {
@@ -35,8 +36,6 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
             rows.push(row(options, &truth, &format!("{levels} levels, {deviation} pixels"), &set)?);
         }
     }
-    println!("grid                     beams  relRMSE   energy fragments  made ms added ms");
-    rows.iter().for_each(print);
     let stands = &rows[0];
     let equal = rows[1..].iter().filter(|row| row.rel_rmse <= stands.rel_rmse);
     if let Some(best) = equal.min_by(|a, b| a.beams.total_cmp(&b.beams)) {
@@ -64,14 +63,16 @@ fn row(options: &Options, truth: &Truth, name: &str, set: &[(&str, &str)]) -> Re
     let pixels = run(&[])?;
     let drawn = run(&[("accumulate", "vertices"), ("footprint", "point")])?;
     let metrics = pixels.error(truth, &options.layer)?;
-    Ok(Row {
+    let row = Row {
         name: name.to_string(),
         beams: pixels.counter("beams")?,
         rel_rmse: metrics.rel_rmse,
         energy_ratio: metrics.energy_ratio,
         fragments: drawn.counter("beam_fragments_drawn")?,
         split: pixels.split()?,
-    })
+    };
+    print(&row);
+    Ok(row)
 }
 
 fn print(row: &Row) {
