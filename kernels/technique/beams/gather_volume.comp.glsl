@@ -7,6 +7,7 @@ layout(local_size_x = 64) in;
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/shaft.glsl"
+#include "technique/beams/seen_depths.glsl"
 
 layout(set = 2, binding = 20, std430) writeonly buffer SampleVolume { vec4 sample_volume[]; };
 // What rasterised hulls brought, a pixel; w: their fragments.
@@ -53,6 +54,7 @@ void main() {
         if (slot != NO_SLOT) view_ray = stretch(k, slot, view.width * view.rows * VISIBLE_LAYERS);
         // Drawn, where the path comes straight from the camera.
         if (drawn && k == 0u && view_ray.origin == view.position) view_ray.medium = NO_MEDIUM;
+        note_depths(view_ray);
         uint found_media;
         shaft = shaft_round(view_ray, found_media);
         traverse(push.tile, found_media);

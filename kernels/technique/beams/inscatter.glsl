@@ -29,17 +29,8 @@ Section section_along(Beam beam, Crossing c, float t) {
     return section;
 }
 
-// Optical depth over density 1 and extinction 1: from the light's start to the point, and on to the stretch's origin.
-float length_through(uint medium, vec3 origin, vec3 direction, float distance, vec3 light, float before) {
-    if (media[medium].grid == NO_GRID) return distance + before;
-    vec3 point = origin + distance * direction;
-    float sum = 0.0;
-    for (uint leg = 0u; leg < 2u; leg++) {
-        vec3 from = leg == 0u ? origin : point - before * light;
-        sum += density_along(medium, from, leg == 0u ? direction : light, leg == 0u ? distance : before);
-    }
-    return sum;
-}
+// Who includes this says how much is between the stretch's origin and a point of it: m of density 1.
+float seen_through(Stretch s, float distance);
 
 // Radiance at the stretch's origin per metre and W, times the cross-section's area. The fluence of the light is its flux
 // over the area and the cosine to the beam's normal, 1 / |way| (erratum 9).
@@ -49,8 +40,9 @@ vec3 scattered_at(ShadePush push, Beam beam, Stretch s, Crossing c, float t) {
     float size = length(section.way);
     vec3 light = section.way / size;
     float before = max(way_since_start(beam, section), 0.0);
-    float depth = length_through(beam.medium, s.origin, s.direction, distance, light, before);
-    vec3 scattering = scattering_at(beam.medium, s.origin + distance * s.direction);
+    vec3 point = s.origin + distance * s.direction;
+    float depth = seen_through(s, distance) + density_along(beam.medium, point - before * light, light, before);
+    vec3 scattering = scattering_at(beam.medium, point);
     float fade = push.soft > 0.0 ? clamp((s.extent - distance) / push.soft, 0.0, 1.0) : 1.0;
     float strength = phase(beam.medium, -dot(light, s.direction)) * size * beam_weight(push, beam, section) * fade;
     return strength * scattering * exp(-extinction(beam.medium) * depth);
