@@ -12,7 +12,7 @@ use beams::stage::Stage;
 use nephroid::frame::Sampling;
 use nephroid::gpu::{Device, DeviceRequest, Recorder};
 use nephroid::scene;
-use nephroid::technique::beams::accumulate::{Integral, Options, Shadows};
+use nephroid::technique::beams::accumulate::{Integral, Options};
 
 fn main() {
     let side: u32 = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(360);

@@ -10,6 +10,8 @@ pub struct Place {
     pub weights: [f64; 3],
     /// m2, without sign.
     pub area: f64,
+    /// The same, negative where the beam has turned over.
+    pub signed: f64,
     /// Its component along the beam's normal is 1.
     pub way: DVec3,
     /// m along the light's way since it left the surface.
@@ -48,16 +50,21 @@ pub fn place(beam: &Beam, point: DVec3) -> Option<Place> {
     let way = weights[0] * ways[0] + weights[1] * ways[1] + weights[2] * ways[2];
     let distance = (y - mixed(beam.corners.map(|c| f64::from(c.start)))) * way.length();
     let end = mixed(beam.corners.map(|c| f64::from(c.end)));
-    Some(Place { y, weights, area: 0.5 * twice.abs(), way, distance, end })
+    Some(Place { y, weights, area: 0.5 * twice.abs(), signed: 0.5 * twice, way, distance, end })
 }
+
+/// Of a corner's irradiance to the beam's, and the other way: beyond, areas of both signs have cancelled at a fold.
+const MOST_CONTRAST: f64 = 3.0;
 
 /// Flux density across the beam's planes, 1/m2 of its flux.
 pub fn density(beam: &Beam, place: &Place, light_angle: f64, smooth: bool) -> f64 {
     let least = |l: f64| (light_angle * l).powi(2);
+    let own = beam.flux.iter().map(|&flux| f64::from(flux)).sum::<f64>() / 3.0 / place.signed;
     let round_corner = beam.corners.map(|c| {
         let l = (place.y - f64::from(c.start)).max(0.0) * vec(c.way).length();
         let area = f64::from(c.area[0]) + l * f64::from(c.area[1]) + l * l * f64::from(c.area[2]);
-        f64::from(c.flux) / area.abs().max(least(l)).max(1e-20)
+        let ratio = f64::from(c.flux) / area / own;
+        if ratio > 1.0 / MOST_CONTRAST && ratio < MOST_CONTRAST { ratio } else { 1.0 }
     });
     let even = round_corner.iter().sum::<f64>() / 3.0;
     let mixed: f64 = (0..3).map(|i| place.weights[i] * round_corner[i]).sum();

@@ -193,7 +193,7 @@ fn assert_tiles(what: &str, views: usize, leaves: &[Leaf]) -> usize {
         let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         assert!(twice > 0, "{what}: {leaf:?} turns the wrong way");
         areas[leaf.view as usize] += twice;
-        let centre = [0, 1].map(|axis: usize| (a[axis] + b[axis] + c[axis]) / 3 >> LEVELS);
+        let centre = [0, 1].map(|axis: usize| ((a[axis] + b[axis] + c[axis]) / 3) >> LEVELS);
         assert_eq!(i64::from(leaf.cell % (GRID * GRID)), centre[1] * i64::from(GRID) + centre[0], "{what}: {leaf:?}");
         for k in 0..3 {
             *edges.entry((leaf.view, leaf.corners[k], leaf.corners[(k + 1) % 3])).or_default() += 1;
