@@ -1,4 +1,4 @@
-//! What given beams scatter towards the camera, against f64.
+//! What beams scatter towards the camera, against f64: given ones, and those that lights send.
 
 mod beams;
 mod common;
@@ -7,9 +7,13 @@ use std::process::ExitCode;
 
 use beams::oracle::{self, Fog, ViewRay};
 use beams::stage::{CROWD, Stage, counter, in_smoke, many_beams, parse};
-use common::{Case, Request};
+use common::pool::{FlatPart, against_flat_water, turbid_flat_pool};
+use common::smoke::{against_pane, pane};
+use common::{Case, Request, layer};
 use glam::DVec3;
 use nephroid::frame::{Sampling, ViewSegment};
+use nephroid::scene::Scene;
+use nephroid::technique::TechniqueKind;
 use nephroid::technique::beams::accumulate::{Accumulator, Integral, Interval, Options};
 use nephroid::technique::beams::beam::Beam;
 
@@ -19,6 +23,10 @@ fn main() -> ExitCode {
         Case { name: "a_crowd_of_beams_adds_up", needs: &[], disable: "", run: crowd },
         Case { name: "other_integrals_agree", needs: &[], disable: "", run: integrals },
         Case { name: "extreme_media_are_finite", needs: &[], disable: "", run: extremes },
+        Case { name: "flat_water_scatters_as_quadrature_says", needs: &[], disable: "", run: flat_water },
+        Case { name: "smoke_scatters_as_quadrature_says", needs: &[], disable: "", run: smoke },
+        Case { name: "levels_show_the_same_shafts", needs: &[], disable: "", run: levels },
+        Case { name: "water_of_any_strength_is_finite", needs: &[], disable: "", run: strengths },
     ])
 }
 
@@ -151,4 +159,81 @@ fn extremes(request: &Request) {
         assert_eq!(counter(&accumulator, "beam_fragments_non_finite"), 0.0, "{coefficients}");
         assert_eq!(sum == 0.0, dark, "{coefficients}: {sum}");
     }
+}
+
+/// The layer `caustic_volume` by one set of beams.
+fn caustic_volume(request: &Request, scene: Scene, size: (u32, u32), set: &str) -> Vec<[f32; 3]> {
+    let picture = request.render(scene, |s| {
+        s.technique = TechniqueKind::Beams;
+        // A pixel's mean is compared.
+        (s.size, s.samples) = (Some(size), Some(4));
+        s.set = format!("beams.jitter=off beams.reuse=4 {set}").split(' ').map(String::from).collect();
+    });
+    layer(&picture.image, "caustic_volume")
+}
+
+/// Of the flat pool's light, by beams a thirtieth as wide as what the lamp sees; a pixel, looked at in four places, may be
+/// twice as far off.
+const FLAT: f64 = 0.02;
+
+fn flat_water(request: &Request) {
+    let size = (24, 18);
+    for asymmetry in [0.0, 0.7] {
+        let found = caustic_volume(request, turbid_flat_pool(asymmetry as f32), size, "beams.levels=1 beams.bounces=1");
+        for (part, name) in [(FlatPart::Walls, "walls"), (FlatPart::Surface, "surface")] {
+            let (energy, rel_rmse) = against_flat_water(&found, size, asymmetry, part);
+            println!("g {asymmetry}, {name}: energy {energy:.5}, relRMSE {rel_rmse:.4}");
+            assert!((energy - 1.0).abs() < FLAT, "g {asymmetry}, {name}: energy {energy}");
+            assert!(rel_rmse < 2.0 * FLAT, "g {asymmetry}, {name}: relRMSE {rel_rmse}");
+        }
+    }
+}
+
+/// Of the smoke: nothing but the pane's rim, which beams straddle, is not exact; pixels as above.
+const SMOKE: f64 = 0.02;
+
+fn smoke(request: &Request) {
+    let size = (16, 12);
+    let found = caustic_volume(request, pane(), size, "beams.levels=1 beams.bounces=2");
+    // Through the pane without a reflection in it: (1 - R)^2 with R = 0.04.
+    for (channel, (energy, rel_rmse)) in against_pane(&found, size, 0.96 * 0.96).into_iter().enumerate() {
+        println!("channel {channel}: energy {energy:.5}, relRMSE {rel_rmse:.4}");
+        assert!((energy - 1.0).abs() < SMOKE, "channel {channel}: energy {energy}");
+        assert!(rel_rmse < 2.0 * SMOKE, "channel {channel}: relRMSE {rel_rmse}");
+    }
+}
+
+/// What a level more, of light that is not focused, may change a pixel by.
+const LEVEL: f64 = 0.04;
+
+fn levels(request: &Request) {
+    let picture = |levels: u32| {
+        let set = format!("beams.levels={levels} beams.least_level={levels} beams.bounces=1");
+        caustic_volume(request, turbid_flat_pool(0.5), (8, 6), &set)
+    };
+    let (coarse, fine) = (picture(0), picture(1));
+    let worst = coarse.iter().zip(&fine).map(|(a, b)| f64::from((a[1] / b[1] - 1.0).abs())).fold(0.0, f64::max);
+    println!("{worst:.2e}");
+    assert!(worst < LEVEL && worst > 0.0, "{worst}");
+}
+
+/// Water through which all light comes, or none, and with nothing in it.
+fn strengths(request: &Request) {
+    let sum = |factor: f32| {
+        let mut scene = turbid_flat_pool(0.0);
+        scene
+            .media
+            .iter_mut()
+            .for_each(|m| (m.absorption, m.scattering) = (m.absorption * factor, m.scattering * factor));
+        let found = caustic_volume(request, scene, (8, 6), "beams.levels=0 beams.least_level=0 beams.bounces=1");
+        assert!(found.iter().flatten().all(|v| v.is_finite() && *v >= 0.0), "times {factor}");
+        found.iter().map(|v| f64::from(v[1])).sum::<f64>()
+    };
+    // The lamp's light comes 2 m and more through the water: at 10^9 a metre, none does.
+    assert_eq!(sum(1e10), 0.0);
+    // Where nothing is lost, radiance goes with what is scattered.
+    let (thin, thinner) = (sum(1e-4), sum(1e-5));
+    println!("{thin:e}, {thinner:e}");
+    assert!((thin / thinner / 10.0 - 1.0).abs() < 1e-3, "{thin} to {thinner}");
+    assert!(thinner > 0.0);
 }

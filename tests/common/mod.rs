@@ -5,6 +5,7 @@
 
 pub mod pool;
 pub mod slide;
+pub mod smoke;
 
 use std::process::{Command, ExitCode};
 use std::sync::{Mutex, PoisonError};

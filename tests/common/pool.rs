@@ -1,8 +1,10 @@
 //! What is known of the pools in closed form.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use nephroid::scene::{self, Scene};
 
 /// Light of the lamp where flat water has refracted it once: 100 W/sr at (1.5, 6, -1), water below y = 0, index 1.33.
 pub struct RefractedLight {
@@ -95,4 +97,72 @@ pub fn flat_water_inscatter(origin: DVec3, direction: DVec3, length: f64, medium
     let weight = |i: usize| if i == 0 || i == intervals { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
     let sum: f64 = (0..=intervals).map(|i| weight(i) * integrand(length * i as f64 / intervals as f64)).sum();
     sum * length / (3.0 * intervals as f64)
+}
+
+/// Which pixels of `flat_water.toml` seen from under water.
+#[derive(Clone, Copy, PartialEq)]
+pub enum FlatPart {
+    /// Those that see floor or walls.
+    Walls,
+    /// Those that see the surface, and in it what it reflects.
+    Surface,
+}
+
+/// `flat_water.toml` with water that absorbs 0.02 and scatters 0.08 of light a metre.
+pub fn turbid_flat_pool(asymmetry: f32) -> Scene {
+    let mut scene = scene::load(Path::new("scenes/flat_water.toml")).unwrap();
+    let water = scene.media.iter_mut().find(|m| m.name == "water").unwrap();
+    water.absorption = Vec3::splat(0.02);
+    water.scattering = Vec3::splat(0.08);
+    water.asymmetry = asymmetry;
+    scene
+}
+
+/// Of light that meets flat water from below, the part that stays in it.
+fn reflectance_from_below(cosine: f64) -> f64 {
+    let sine2 = 1.33f64.powi(2) * (1.0 - cosine * cosine);
+    if sine2 >= 1.0 {
+        return 1.0;
+    }
+    let above = (1.0 - sine2).sqrt();
+    let perpendicular = ((1.33 * cosine - above) / (1.33 * cosine + above)).powi(2);
+    let parallel = ((cosine - 1.33 * above) / (cosine + 1.33 * above)).powi(2);
+    0.5 * (perpendicular + parallel)
+}
+
+/// What a pixel that sees the surface of [`turbid_flat_pool`] shows: the stretch to it, and the one that it reflects.
+fn flat_surface_inscatter(origin: DVec3, way: DVec3, medium: (f64, f64, f64)) -> f64 {
+    let length = -origin.y / way.y;
+    let up = flat_water_inscatter(origin, way, length, medium);
+    let (met, down) = (origin + length * way, DVec3::new(way.x, -way.y, way.z));
+    let to = |plane: f64, axis: usize| (plane - met[axis]) / down[axis];
+    let rest = to(5f64.copysign(down.x), 0).min(to(5f64.copysign(down.z), 2)).min(to(-2.0, 1));
+    let reflected = flat_water_inscatter(met, down, rest, medium);
+    up + reflectance_from_below(way.y) * (-(medium.0 + medium.1) * length).exp() * reflected
+}
+
+/// Energy ratio and relative RMSE of a picture of [`turbid_flat_pool`] through camera `under`, over a part of the pixels.
+pub fn against_flat_water(found: &[[f32; 3]], size: (u32, u32), asymmetry: f64, part: FlatPart) -> (f64, f64) {
+    let medium = (0.02, 0.08, asymmetry);
+    let (width, height) = (f64::from(size.0), f64::from(size.1));
+    let (mut sum, mut expected_sum, mut squares, mut count) = (0.0, 0.0, 0.0, 0);
+    for (index, value) in found.iter().enumerate() {
+        let (column, row) = ((index as u32 % size.0) as f64, (index as u32 / size.0) as f64);
+        let walls = first_water_stretch(column, row, width, height);
+        let expected = match (walls, part) {
+            (Some((origin, way, length)), FlatPart::Walls) => flat_water_inscatter(origin, way, length, medium),
+            (None, FlatPart::Surface) => {
+                let way = under_direction(column, row, width, height).normalize();
+                flat_surface_inscatter(DVec3::new(0.0, -0.6, 3.5), way, medium)
+            }
+            _ => continue,
+        };
+        let value = f64::from(value[1]);
+        sum += value;
+        expected_sum += expected;
+        squares += (value - expected).powi(2);
+        count += 1;
+    }
+    let mean = expected_sum / f64::from(count);
+    (sum / expected_sum, (squares / f64::from(count)).sqrt() / mean)
 }

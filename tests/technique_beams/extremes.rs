@@ -73,7 +73,7 @@ fn check(what: &str, image: &LayeredImage, expected: impl Fn(f64, f64) -> Option
 }
 
 const ONCE: [&str; 5] =
-    ["beams.grid=12", "beams.levels=4", "beams.bounces=1", "beams.jitter=off", "beams.vertices=131072"];
+    ["beams.grid=8", "beams.levels=4", "beams.bounces=1", "beams.jitter=off", "beams.vertices=262144"];
 
 pub fn light(request: &Request) {
     // From the centre of a ball back through it: the lamp's own light once more, from the other side.

@@ -32,7 +32,7 @@ fn assert_balance(what: &str, picture: &Picture) {
 pub fn adds_up(request: &Request) {
     let clear = "index = 1.33";
     let scenes: [(&str, Scene, &[&str]); 7] = [
-        ("waves", crate::pool(), &["landed", "cut"]),
+        ("waves", crate::pool(), &["landed", "escaped"]),
         ("absorbing water", turbid("pool.toml", clear, "absorption = [0.3, 0.1, 0]"), &["landed", "absorbed"]),
         (
             "turbid water",

@@ -84,7 +84,11 @@ pub fn flat_water(request: &Request) {
     }
     compared.check("floor", SMOOTH);
 
-    let picture = render(request, turbid(), &FLAT, |s| s.size = Some((48, 36)));
+    // Rays are points of their pixels, and g makes the water's light differ by some per cent from pixel to pixel.
+    let picture = render(request, turbid(), &FLAT, |s| {
+        s.size = Some((48, 36));
+        s.samples = Some(16);
+    });
     assert_sound(&picture);
     let found = layer(&picture.image, "caustic_volume");
     let mut compared = Compared::default();
@@ -170,6 +174,10 @@ fn from_above(request: &Request) {
         // As if the eye were under the water, and so the lamp.
         let wall = DVec3::new(1.0, -1.0, 1.0) * eye.position + DVec3::new(1.0, -1.0, 1.0) * way * (-8.0 / way.z);
         assert!((0.0..0.5).contains(&wall.y), "{wall} is not on the wall");
+        // Lower down the light comes from where water and wall meet, in beams that lack an edge.
+        if wall.y < 0.25 {
+            continue;
+        }
         let [lamp, image] = [6.0, -6.0].map(|height| DVec3::new(1.5, height, -1.0) - wall);
         let [direct, mirrored] = [lamp, image].map(|to| 100.0 * to.z / to.length().powi(3));
         let irradiance = direct + reflectance(-image.y / image.length()) * mirrored;
@@ -185,7 +193,9 @@ pub fn waves(request: &Request) {
     let expected = layer(&truth, "final");
     let mask = truth.layer("mask").unwrap().channels[0].samples.clone();
     let mut last = f64::INFINITY;
-    for levels in [3, 4, 5] {
+    // SwiftShader takes minutes over the finest.
+    let levels: &[u32] = if request.info.name.contains("SwiftShader") { &[2, 3] } else { &[3, 4, 5] };
+    for levels in levels {
         let levels_set = format!("beams.levels={levels}");
         let set = [&levels_set[..], "beams.grid=16", "beams.bounces=1", "beams.jitter=off", "beams.vertices=524288"];
         let picture = render(request, load("pool.toml"), &set, |s| s.size = Some((120, 90)));
@@ -208,31 +218,34 @@ pub fn waves(request: &Request) {
 const FINEST: f64 = 0.12;
 
 pub fn glass_sphere(request: &Request) {
+    // Higher over the table than in the scene, so that the light is past its focus, and seen beside the ball.
+    let text = std::fs::read_to_string("scenes/glass_sphere.toml").unwrap();
+    let changed = text
+        .replace("centre = [0, 1.2, 0]", "centre = [0, 2, 0]")
+        .replace("position = [0.5, 3.2, 6]", "position = [-3.2, 1.5, -1.4]")
+        .replace("target = [-0.4, 0.5, 0]", "target = [-1.46, 0, -0.62]")
+        .replace("target = [-0.3, 0.6, -0.1]", "target = [0, 2, 0]");
+    let scene = || scene::parse(&changed, Path::new("scenes/glass_sphere.toml")).unwrap();
     let size = Some((32, 24));
-    let text = std::fs::read_to_string("scenes/glass_sphere.toml").unwrap().replace("segments = 256", "segments = 64");
-    let ball = || scene::parse(&text, Path::new("scenes/glass_sphere.toml")).unwrap();
-    let reference = request.render(ball(), |s| {
+    let reference = request.render(scene(), |s| {
         s.technique = TechniqueKind::Reference;
-        s.camera = Some("top".to_string());
         s.size = size;
         s.samples = Some(16);
-        s.set = ["reference.photons=100000", "reference.reuse=4"].map(String::from).to_vec();
+        s.set = ["reference.photons=200000", "reference.reuse=4"].map(String::from).to_vec();
     });
     let expected = layer(&reference.image, "caustic");
     let beams = |bounces: u32| {
         let bounces = format!("beams.bounces={bounces}");
         let set = ["beams.grid=12", "beams.levels=4", "beams.reuse=1", &bounces];
-        render(request, ball(), &set, |s| {
-            s.camera = Some("top".to_string());
+        let picture = render(request, scene(), &set, |s| {
             s.size = size;
             s.samples = Some(4);
-        })
+        });
+        assert_sound(&picture);
+        layer(&picture.image, "caustic")
     };
-    let picture = beams(3);
-    assert_sound(&picture);
-    let found = layer(&picture.image, "caustic");
     let mut compared = Compared::default();
-    for (found, expected) in found.iter().zip(&expected) {
+    for (found, expected) in beams(3).iter().zip(&expected) {
         compared.add(found[1].into(), expected[1].into());
     }
     let (energy, rel_rmse) = (compared.energy(), compared.rel_rmse());
@@ -240,10 +253,10 @@ pub fn glass_sphere(request: &Request) {
     assert!((energy - 1.0).abs() < 0.03, "energy {energy}");
     assert!(rel_rmse < BALL, "relRMSE {rel_rmse}");
     // Light needs two surfaces to come through the ball; one alone leaves what is reflected outside.
-    let once = sum(&layer(&beams(1).image, "caustic")) / sum(&expected);
-    println!("ball: {once:.4} of the light with one bounce");
-    assert!(once < 0.1, "{once} of the light with one bounce");
+    let [once, twice] = [1, 2].map(|bounces| sum(&beams(bounces)) / sum(&expected));
+    println!("ball: {once:.4} of the light with one bounce, {twice:.4} with two");
+    assert!(once < 0.1 && twice > 0.9, "{once} of the light with one bounce, {twice} with two");
 }
 
-/// Of the ball's bright and small focus, in which the reference itself is a few per cent off.
+/// What is left of the ball's bright rim by the reference's own blur and noise, which it says to be a few per cent.
 const BALL: f64 = 0.25;

@@ -2,6 +2,7 @@
 // a quadrature of its own, fine enough for cones and images.
 #include "technique/beams/common.glsl"
 #include "technique/beams/leaf.glsl"
+#include "technique/beams/ledger.glsl"
 
 layout(push_constant) uniform CellsPush {
     vec2 jitter; // of the lattice, in coarse cells
@@ -17,15 +18,16 @@ void main() {
     LightView v = light_views[cell / per_view];
     uint place = cell % per_view;
     vec2 low = vec2(place % settings.grid, place / settings.grid);
-    vec2 size = coarse_cell(v);
+    float side = float(1u << settings.levels);
+    vec2 lower = lattice_chart(v, low * side, push.jitter);
+    vec2 size = lattice_chart(v, (low + 1.0) * side, push.jitter) - lower;
     // Gauss-Legendre's two points in each of the parts along a side.
     vec3 flux = vec3(0.0);
     uint parts = push.points / 2u;
     for (uint k = 0u; k < push.points * push.points; k++) {
         uvec2 at = uvec2(k % push.points, k / push.points);
         vec2 inside = (vec2(at / 2u) + mix(vec2(0.21132486), vec2(0.78867513), vec2(at & 1u))) / float(parts);
-        vec2 lattice = (low + inside) * float(1u << settings.levels);
-        flux += light_power(v, lights[v.light], lattice_chart(v, lattice, push.jitter));
+        flux += light_power(v, lights[v.light], lower + inside * size);
     }
     flux *= size.x * size.y / float(push.points * push.points);
     // Compensated, for cells may have thousands of leaves.
@@ -39,4 +41,5 @@ void main() {
     }
     cell_scales[cell] = vec4(mix(vec3(0.0), flux / max(sum, vec3(1e-37)), greaterThan(sum, vec3(0.0))), 0.0);
     cell_fluxes[cell] = vec4(flux, 0.0);
+    book(LEDGER_EMITTED, flux, settings.ledger_unit);
 }

@@ -101,8 +101,15 @@ vec2 coarse_cell(LightView v) {
     return (v.upper - v.lower) / float(settings.grid - settings.margin);
 }
 
-// The chart's coordinates of a place on the lattice, which jitter may have moved.
+// Where a place on the lattice, which jitter may have moved, is drawn in to: the border of the view's rectangle for what lies
+// beyond it, since the next face of a cube sees that.
+vec2 drawn_in(vec2 at, vec2 jitter) {
+    float side = float(1u << settings.levels);
+    return clamp(at, jitter * side, (jitter + float(settings.grid - settings.margin)) * side);
+}
+
+// The chart's coordinates of a place on the lattice.
 vec2 lattice_chart(LightView v, vec2 at, vec2 jitter) {
     vec2 cell = coarse_cell(v);
-    return v.lower - jitter * cell + at / float(1u << settings.levels) * cell;
+    return v.lower - jitter * cell + drawn_in(at, jitter) / float(1u << settings.levels) * cell;
 }

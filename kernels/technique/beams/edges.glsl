@@ -6,7 +6,7 @@ struct BeamEdges {
     uvec3 records; // NO_RECORD where the light does not go that way
     vec3 normal;   // unit, the way the light goes
     bool complete; // three rays that bound a beam
-    bool drawn;    // and do not part by more than a plane across all of them can take
+    bool drawn;    // lit, and they do not part by more than a plane across all of them can take
 };
 
 // Cosine between an edge and the beam's normal below which a beam is not drawn: planes across it would meet the edge ever
@@ -27,7 +27,7 @@ BeamEdges edges_of(BeamLeaf leaf, uint sheet) {
     vec3 c = beam_vertices[e.records.z].direction;
     vec3 sum = a + b + c;
     e.normal = sum / max(length(sum), 1e-6);
-    e.drawn = e.complete && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
+    e.drawn = e.complete && is_lit(leaf) && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
     return e;
 }
 

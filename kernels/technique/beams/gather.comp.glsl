@@ -88,7 +88,24 @@ bool meet(vec3 low, vec3 high, Box other) {
 }
 
 bool near_box(BeamBox beams_box) {
-    return beams_meet_box(beams_box, box.low, box.high);
+    return meet(beams_box.low, beams_box.high, box);
+}
+
+// By a box round the part of it at the tile's places along it.
+bool near_shaft(Shaft block) {
+    float at = dot(0.5 * (box.low + box.high), block.axis);
+    float extent = dot(abs(block.axis), 0.5 * (box.high - box.low));
+    extent += 1e-5 * (abs(at) + extent);
+    vec2 range = vec2(max(block.ends.x, at - extent), min(block.ends.y, at + extent));
+    if (!(range.x <= range.y)) return false;
+    vec3 low = vec3(3e38);
+    vec3 high = vec3(-3e38);
+    for (uint i = 0u; i < 8u; i++) {
+        vec3 corner = shaft_corner(block, i & 3u, i < 4u ? range.x : range.y);
+        low = min(low, corner);
+        high = max(high, corner);
+    }
+    return meet(low, high, box);
 }
 
 // By a box round the part of the beam at the heights along it of what is in `other`.

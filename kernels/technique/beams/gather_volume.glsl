@@ -6,7 +6,10 @@ layout(local_size_x = 64) in;
 #include "technique/beams/volume_light.glsl"
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
-#include "technique/beams/shaft.glsl"
+#include "technique/beams/tile_shaft.glsl"
+#ifdef DENSITY_GRIDS
+#include "technique/beams/seen_depths.glsl"
+#endif
 
 layout(set = 2, binding = 20, std430) writeonly buffer SampleVolume { vec4 sample_volume[]; };
 // What rasterised hulls brought, a pixel; w: their fragments.
@@ -23,7 +26,11 @@ Shaft shaft;      // round the tile's
 vec3 sum = vec3(0.0);
 
 bool near_box(BeamBox box) {
-    return boxes_meet_shaft(box, shaft);
+    return box_meets_shaft(box.low, box.high, shaft);
+}
+
+bool near_shaft(Shaft block) {
+    return shafts_meet(block, shaft);
 }
 
 bool near_beam(Beam beam) {
@@ -76,6 +83,9 @@ void main() {
         // Drawn, where the path comes straight from the camera.
         if (drawn && k == 0u && view_ray.origin == view.position) view_ray.medium = NO_MEDIUM;
         seen = view_ray.medium != NO_MEDIUM ? seen_part(view_ray) : vec2(0.0);
+#ifdef DENSITY_GRIDS
+        note_depths(view_ray);
+#endif
         uint found_media;
         shaft = shaft_round(view_ray, found_media);
         traverse(push.tile, found_media);

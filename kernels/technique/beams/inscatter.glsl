@@ -28,19 +28,18 @@ Section section_along(Beam beam, Crossing c, float t) {
 
 // Optical depth over density 1 and extinction 1: from the light's start to the point, and on to the stretch's origin.
 // DENSITY_GRIDS is set where a medium has one: software drivers run code that no invocation needs, all the same.
-float length_through(uint medium, vec3 origin, vec3 direction, float distance, vec3 light, float before) {
 #ifdef DENSITY_GRIDS
-    if (media[medium].grid != NO_GRID) {
-        vec3 point = origin + distance * direction;
-        float sum = 0.0;
-        for (uint leg = 0u; leg < 2u; leg++) {
-            vec3 from = leg == 0u ? origin : point - before * light;
-            sum += density_along(medium, from, leg == 0u ? direction : light, leg == 0u ? distance : before);
-        }
-        return sum;
-    }
+// Who includes this says how much is between the stretch's origin and a point of it: m of density 1.
+float seen_through(Stretch s, float distance);
 #endif
+
+float length_through(Stretch s, float distance, vec3 light, float before) {
+#ifdef DENSITY_GRIDS
+    vec3 start = s.origin + distance * s.direction - before * light;
+    return seen_through(s, distance) + density_along(s.medium, start, light, before);
+#else
     return distance + before;
+#endif
 }
 
 // Radiance at the stretch's origin per metre and W, times the cross-section's area. The fluence of the light is its flux
@@ -51,7 +50,7 @@ vec3 scattered_at(ShadePush push, Beam beam, Stretch s, Crossing c, float t) {
     float size = length(section.way);
     vec3 light = section.way / size;
     float before = max(way_since_start(beam, section), 0.0);
-    float depth = length_through(beam.medium, s.origin, s.direction, distance, light, before);
+    float depth = length_through(s, distance, light, before);
 #ifdef DENSITY_GRIDS
     vec3 scattering = scattering_at(beam.medium, s.origin + distance * s.direction);
 #else

@@ -14,6 +14,11 @@ layout(set = 3, binding = 10, std430) buffer CellScales { vec4 cell_scales[]; };
 // By coarse cell: its first leaf; one more at the end.
 layout(set = 3, binding = 11, std430) buffer CellLeaves { uint cell_leaves[]; };
 
+// Leaves outside of a cone, or drawn in to the border of their view, are not.
+bool is_lit(BeamLeaf leaf) {
+    return any(greaterThan(leaf.power, vec3(0.0)));
+}
+
 vec3 leaf_flux(BeamLeaf leaf) {
     return leaf.power * cell_scales[leaf.cell].rgb;
 }

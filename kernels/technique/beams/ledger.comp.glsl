@@ -60,6 +60,7 @@ void main() {
     uint index = linear_index();
     if (index >= state.leaves) return;
     BeamLeaf leaf = beam_leaves[index];
+    if (!is_lit(leaf)) return;
     vec3 power = leaf_flux(leaf) / 3.0;
     book_start(leaf, power);
     uint complete = 0u; // bit s + 1 for sheet s, which number fewer than 31

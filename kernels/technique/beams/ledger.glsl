@@ -19,6 +19,7 @@ const uint LEDGER_SCATTERED = 3u;
 const uint LEDGER_ESCAPED = 4u;    // met nothing any more
 const uint LEDGER_CUT = 5u;        // too weak, too wide, or more bounces than are followed
 const uint LEDGER_SILHOUETTE = 6u; // of beams that lack an edge
+const uint LEDGER_EMITTED = 7u;    // into the coarse cells
 
 void book(uint entry, vec3 flux, float unit) {
     uint amount = uint(clamp(mean(flux) / unit + 0.5, 0.0, 4.0e9));

@@ -11,6 +11,12 @@ layout(location = 0) out vec4 light; // W/(m2 sr) at the camera, and 1 to count 
 
 void count(uint what) {}
 
+#ifdef DENSITY_GRIDS
+float seen_through(Stretch s, float distance) {
+    return density_along(s.medium, s.origin, s.direction, distance);
+}
+#endif
+
 void main() {
     uint slot = uint(gl_FragCoord.y) * view.width + uint(gl_FragCoord.x);
     light = vec4(0.0, 0.0, 0.0, 1.0);

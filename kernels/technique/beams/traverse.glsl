@@ -3,13 +3,15 @@
 // room to run out of, and equal bits.
 #include "technique/beams/stored.glsl"
 #include "technique/beams/section.glsl"
+#include "technique/beams/shaft.glsl"
 #include "technique/beams/tile.glsl"
 #include "technique/beams/vote.glsl"
 
 layout(set = 3, binding = 2, std430) readonly buffer BeamBoxes { BeamBox beam_boxes[]; };
 
-// Who includes this says whether a box or a beam comes near its tile,
+// Who includes this says whether a box, a block's shaft or a beam comes near its tile,
 bool near_box(BeamBox box);
+bool near_shaft(Shaft block);
 bool near_beam(Beam beam);
 // and takes what does: beams bases[bit / 32] + bit % 32 for each bit that is set.
 void visit(uint bases[2], uvec2 near_beams);
@@ -18,6 +20,18 @@ bool wants_box(uint index, uint end, uint media) {
     if (index >= end) return false;
     BeamBox box = beam_boxes[index];
     return box.beams > 0u && (box.media & media) != 0u && near_box(box);
+}
+
+bool wants_block(uint index, uint end, uint media) {
+    if (!wants_box(index, end, media)) return false;
+    BeamBox box = beam_boxes[index];
+    Shaft block;
+    block.axis = box.axis;
+    basis(block.axis, block.across[0], block.across[1]);
+    block.ends = vec2(box.near, box.far);
+    block.at_near = box.at_near;
+    block.at_far = box.at_far;
+    return near_shaft(block);
 }
 
 bool wants_beam(uint index, uint end, uint media) {
@@ -37,7 +51,7 @@ void traverse(TilePush push, uint media) {
         uvec2 near_groups = vote(wants_box(push.blocks + first_group + lane, push.blocks + groups, media));
         while (any_bit(near_groups)) {
             uint first_block = (first_group + take_bit(near_groups)) * GROUP_BLOCKS;
-            uvec2 near_blocks = vote(lane < GROUP_BLOCKS && wants_box(first_block + lane, blocks, media));
+            uvec2 near_blocks = vote(lane < GROUP_BLOCKS && wants_block(first_block + lane, blocks, media));
             while (any_bit(near_blocks)) {
                 // Two blocks at once.
                 uint bases[2];

@@ -21,13 +21,15 @@ uint eighth(ivec2 way) {
 // W through the triangle, by a quadrature that is exact for quadratics.
 vec3 power_through(LightView v, ivec2 a, ivec2 b, ivec2 c) {
     vec2 cell = coarse_cell(v) / float(1u << settings.levels);
-    ivec2 ab = b - a;
-    ivec2 ac = c - a;
-    float area = 0.5 * abs(float(ab.x * ac.y - ab.y * ac.x)) * cell.x * cell.y;
+    vec2 corners[3] = vec2[3](drawn_in(vec2(a), push.jitter), drawn_in(vec2(b), push.jitter),
+                              drawn_in(vec2(c), push.jitter));
+    vec2 ab = corners[1] - corners[0];
+    vec2 ac = corners[2] - corners[0];
+    float area = 0.5 * abs(ab.x * ac.y - ab.y * ac.x) * cell.x * cell.y;
     Light light = lights[v.light];
-    vec3 sum = light_power(v, light, lattice_chart(v, 0.5 * vec2(a + b), push.jitter)) +
-               light_power(v, light, lattice_chart(v, 0.5 * vec2(b + c), push.jitter)) +
-               light_power(v, light, lattice_chart(v, 0.5 * vec2(c + a), push.jitter));
+    vec3 sum = light_power(v, light, lattice_chart(v, 0.5 * (corners[0] + corners[1]), push.jitter)) +
+               light_power(v, light, lattice_chart(v, 0.5 * (corners[1] + corners[2]), push.jitter)) +
+               light_power(v, light, lattice_chart(v, 0.5 * (corners[2] + corners[0]), push.jitter));
     return area / 3.0 * sum;
 }
 

@@ -26,7 +26,8 @@ const TALLY_NAMES: [&str; 6] =
     ["total_reflections", "branches_cut", "rejected_wrong_side", "non_finite", "beams_silhouette", "beams_too_wide"];
 /// Words of tallies before the ledger, as in `ledger.glsl`.
 const TALLY_COUNT: usize = 8;
-const LEDGER_NAMES: [&str; 7] = ["missed", "landed", "absorbed", "scattered", "escaped", "cut", "silhouette"];
+const LEDGER_NAMES: [&str; 8] =
+    ["missed", "landed", "absorbed", "scattered", "escaped", "cut", "silhouette", "emitted"];
 
 crate::gpu_struct! {
     /// What stays for a set of beams; see `kernels/technique/beams/common.glsl`.
@@ -373,16 +374,17 @@ impl Generator {
         Ok(())
     }
 
-    /// Where the light of one set went on average; W of the mean channel.
+    /// Where the light of one set went on average, after what was emitted; W of the mean channel.
     pub fn ledger(&self, sets: u32) -> Result<Vec<LedgerEntry>, GpuError> {
         let words: Vec<u32> = self.tallies.read(TALLY_COUNT + 2 * LEDGER_NAMES.len())?;
         let scale = f64::from(self.settings.ledger_unit) / f64::from(sets.max(1));
-        let emitted: f64 = self.cell_flux()?.iter().map(|flux| flux.iter().sum::<f64>() / 3.0).sum();
         let entries = LEDGER_NAMES.iter().zip(words[TALLY_COUNT..].chunks_exact(2)).map(|(name, pair)| LedgerEntry {
             name,
             watts: (f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])) * scale,
         });
-        Ok(std::iter::once(LedgerEntry { name: "emitted", watts: emitted }).chain(entries).collect())
+        let mut entries: Vec<LedgerEntry> = entries.collect();
+        entries.rotate_right(1);
+        Ok(entries)
     }
 
     /// W through each cell of the coarse grids, rgb, of the last set.

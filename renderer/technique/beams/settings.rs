@@ -29,7 +29,7 @@ const GENERATION: &[Setting] = &[
     Setting {
         key: "levels",
         kind: SettingKind::Integer { min: 0, max: 8 },
-        default: "5",
+        default: "4",
         unit: "",
         help: "How often a cell can be split in four",
     },

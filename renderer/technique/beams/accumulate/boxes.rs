@@ -8,16 +8,20 @@ const BLOCK_BEAMS: u32 = 32;
 const GROUP_BLOCKS: u32 = 32;
 
 crate::gpu_struct! {
-    /// Boxes where beams begin and where they end; see `kernels/technique/beams/stored.glsl`.
+    /// A box round beams; see `kernels/technique/beams/stored.glsl`.
     pub struct BeamBox {
-        pub start_low: [f32; 3],
+        pub low: [f32; 3],
         pub beams: u32,
-        pub start_high: [f32; 3],
+        pub high: [f32; 3],
         pub media: u32,
-        pub end_low: [f32; 3],
+        pub axis: [f32; 3],
+        pub near: f32,
+        pub at_near: [f32; 4],
+        pub at_far: [f32; 4],
+        pub far: f32,
         pub padding0: f32,
-        pub end_high: [f32; 3],
         pub padding1: f32,
+        pub padding2: f32,
     }
 }
 
