@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         Case { name: "flat_water_is_the_closed_form", needs: &[], disable: "", run: pictures::flat_water },
         Case { name: "waves_are_the_truth", needs: &[], disable: "", run: pictures::waves },
         Case { name: "a_ball_of_glass_is_the_reference", needs: &[], disable: "", run: pictures::glass_sphere },
-        Case { name: "tiers_agree", needs: &[Capability::Graphics], disable: "", run: agreement::tiers },
+        Case { name: "tiers_agree", needs: &[Capability::GeometryShader], disable: "", run: agreement::tiers },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: agreement::equal_bits },
         Case { name: "a_frame_alone_is_the_frame_in_its_row", needs: &[], disable: "", run: agreement::frame_alone },
         Case { name: "adaptive_samples_keep_the_light", needs: &[], disable: "", run: agreement::adaptive },

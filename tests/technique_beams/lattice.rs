@@ -95,7 +95,7 @@ fn rectangle(view: &LightView, cell: u32) -> [[f64; 2]; 2] {
     let at = [cell % GRID, cell / GRID % GRID];
     [0, 1].map(|axis: usize| {
         let lower = f64::from(view.lower[axis]);
-        let size = (f64::from(view.upper[axis]) - lower) / f64::from(GRID - 1);
+        let size = (f64::from(view.upper[axis]) - lower) / f64::from(GRID);
         [0, 1].map(|end| (lower + f64::from(at[axis] + end) * size).min(view.upper[axis].into()))
     })
 }
@@ -281,7 +281,7 @@ fn small_leaves_lie_on_the_cone(request: &Request) {
     let hard = SPOT.replace("inner = 10", "inner = 20");
     let (views, generator) = made(request, parse(&lit(&hard)), &set);
     let view = &views[0];
-    let size = [0, 1].map(|k: usize| f64::from(view.upper[k] - view.lower[k]) / f64::from((GRID - 1) << LEVELS));
+    let size = [0, 1].map(|k: usize| f64::from(view.upper[k] - view.lower[k]) / f64::from(GRID << LEVELS));
     let edge = 20f64.to_radians().tan();
     let radius = |corner: [u32; 2]| {
         let at = [0, 1].map(|k: usize| f64::from(view.lower[k]) + f64::from(corner[k]) * size[k]);
