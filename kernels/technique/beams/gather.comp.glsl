@@ -174,6 +174,9 @@ void visit(uint bases[2], uvec2 near_beams) {
             density = density_at_point(push.shade, beam, section, shading, geometric);
         }
         vec3 light = arriving_light(push.shade, beam, section, at, density, start);
+        // Shadows are the point's: beside an edge, what the pixel covers of the surface's plane can lie behind another.
+        start += point.position - at;
+        at = point.position;
         sum += unshadowed(push.shade, beam, section, at, start, light);
     }
 }
