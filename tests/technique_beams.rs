@@ -30,7 +30,7 @@ fn main() -> ExitCode {
         Case { name: "light_is_accounted_for", needs: &[], disable: "", run: ledger::adds_up },
         Case { name: "the_sun_comes_through_its_medium", needs: &[], disable: "", run: ledger::sun },
         Case { name: "flat_water_is_the_closed_form", needs: &[], disable: "", run: pictures::flat_water },
-        Case { name: "waves_are_the_truth", needs: &[], disable: "", run: pictures::waves },
+        Case { name: "beams_through_waves_are_the_truth", needs: &[], disable: "", run: pictures::waves },
         Case { name: "a_ball_of_glass_is_the_reference", needs: &[], disable: "", run: pictures::glass_sphere },
         Case { name: "tiers_agree", needs: &[Capability::GeometryShader], disable: "", run: agreement::tiers },
         Case { name: "equal_seeds_give_equal_bits", needs: &[], disable: "", run: agreement::equal_bits },

@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(settings.choice("fresnel"), "chance");
         assert_eq!(
             message("reference.photon=1"),
-            "the technique reference has no setting \"photon\"; it has: photons, reuse, radius, neighbours, alpha, fresnel, paths"
+            "the technique reference has no setting \"photon\"; it has: photons, reuse, radius, neighbours, alpha, volume_photons, volume_neighbours, fresnel, paths"
         );
         assert!(message("reference.photons=0").starts_with("reference.photons is \"0\"; allowed is an integer from"));
         assert!(message("photons=0").contains("is not of the form technique.key=value"));

@@ -37,7 +37,7 @@ fn scenes() {
     fails_in(&folder, "scene.toml -o kept.exr", &[], sentence);
     fs::write(folder.at("scene.toml"), SCENE.replace("samples = 2", "sample = 2")).unwrap();
     let sentence = "scene.toml:5: unknown key `sample` in [film]; allowed: width, height, samples, exposure, tone_curve, \
-                    background";
+                    background, volume_samples";
     fails_in(&folder, "scene.toml -o kept.exr", &[], sentence);
 }
 

@@ -158,6 +158,18 @@ fn expected_drivers() -> Vec<(&'static str, &'static str)> {
     known.into_iter().filter(|(name, _)| installed.split(':').any(|d| d.starts_with(&format!("{name}=")))).collect()
 }
 
+/// Pictures that SwiftShader takes half a minute and more each for, and whose kernels other cases run on it: the whole run
+/// has to end within minutes.
+const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
+    "a_ball_of_glass_is_the_reference",
+    "adaptive_samples_keep_the_light",
+    "beams_through_waves_are_the_truth",
+    "each_rule_splits",
+    "extreme_media_are_finite",
+    "path_classes_part_the_light_in_volumes",
+    "smoke_scatters_as_quadrature_says",
+];
+
 fn trial(case: &'static Case, info: &DeviceInfo) -> Trial {
     let short = info.name.split(" (").next().unwrap_or(&info.name).to_string();
     let name = format!("{}::{short}", case.name);
@@ -167,6 +179,9 @@ fn trial(case: &'static Case, info: &DeviceInfo) -> Trial {
     if let Some(missing) = case.needs.iter().find(|c| !info.capabilities.has(**c)) {
         let name = format!("{name} (skipped: the driver lacks {})", missing.name());
         return Trial::test(name, || Ok(())).with_ignored_flag(true);
+    }
+    if info.name.contains("SwiftShader") && TOO_SLOW_ON_SWIFTSHADER.contains(&case.name) {
+        return Trial::test(format!("{name} (skipped: too slow there)"), || Ok(())).with_ignored_flag(true);
     }
     let request = Request {
         info: info.clone(),

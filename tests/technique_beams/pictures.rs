@@ -193,9 +193,7 @@ pub fn waves(request: &Request) {
     let expected = layer(&truth, "final");
     let mask = truth.layer("mask").unwrap().channels[0].samples.clone();
     let mut last = f64::INFINITY;
-    // SwiftShader takes minutes over the finest.
-    let levels: &[u32] = if request.info.name.contains("SwiftShader") { &[2, 3] } else { &[3, 4, 5] };
-    for levels in levels {
+    for levels in [3, 4, 5] {
         let levels_set = format!("beams.levels={levels}");
         let set = [&levels_set[..], "beams.grid=16", "beams.bounces=1", "beams.jitter=off", "beams.vertices=524288"];
         let picture = render(request, load("pool.toml"), &set, |s| s.size = Some((120, 90)));
