@@ -175,9 +175,7 @@ void visit(uint bases[2], uvec2 near_beams) {
         }
         vec3 light = arriving_light(push.shade, beam, section, at, density, start);
         // Shadows are the point's: beside an edge, what the pixel covers of the surface's plane can lie behind another.
-        start += point.position - at;
-        at = point.position;
-        sum += unshadowed(push.shade, beam, section, at, start, light);
+        sum += unshadowed(push.shade, beam, section, point.position, start, light);
     }
 }
 
