@@ -81,7 +81,8 @@ pub struct Frame {
     pub film: Film,
     /// Of `bindings`, what is the frame's own.
     own: Bindings,
-    view: Buffer,
+    view: View,
+    view_buffer: Buffer,
     adaptive: Option<Adaptive>,
     visibility: Visibility,
     primary_ids: Buffer,
@@ -141,7 +142,8 @@ impl Frame {
             bindings: scene.bindings.clone().and(&tracer.bindings).and(&own),
             film,
             own,
-            view: view_buffer,
+            view: *view,
+            view_buffer,
             adaptive,
             visibility,
             primary_ids,
@@ -159,12 +161,18 @@ impl Frame {
     /// scene's number of instances and their triangles are as they were.
     pub fn restart(&mut self, device: &Device, scene: &GpuScene, tracer: &Tracer, view: &View) -> Result<(), GpuError> {
         self.bindings = scene.bindings.clone().and(&tracer.bindings).and(&self.own);
-        self.view.upload(bytemuck::bytes_of(view))?;
+        self.view = *view;
+        self.view_buffer.upload(bytemuck::bytes_of(view))?;
         self.seed = view.seed;
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.clear(device)?;
         }
         self.film.clear(device)
+    }
+
+    /// The camera, and the band that is rendered.
+    pub fn view(&self) -> &View {
+        &self.view
     }
 
     /// What the visibility stage is made of.

@@ -217,7 +217,8 @@ impl RasterTier {
     }
 }
 
-fn draws(scene: &Scene) -> [Vec<(u32, u32)>; LAYERS] {
+/// Each instance's number and vertices to draw, of what is specular and of what is not.
+pub(crate) fn draws(scene: &Scene) -> [Vec<(u32, u32)>; LAYERS] {
     [true, false].map(|specular| {
         let instances = (0u32..).zip(&scene.instances);
         let wanted = instances.filter(|(_, i)| scene.materials[i.material].surface.is_specular() == specular);

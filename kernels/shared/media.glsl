@@ -15,6 +15,12 @@ vec3 extinction(uint medium) {
     return media[medium].absorption + media[medium].scattering;
 }
 
+// Of what extinction takes, the part that is scattered.
+vec3 scattered_part(uint medium) {
+    vec3 all = extinction(medium);
+    return mix(vec3(0.0), media[medium].scattering / max(all, vec3(1e-37)), greaterThan(all, vec3(0.0)));
+}
+
 // `at` counts cells from the grid's lower corner.
 float density_in(DensityGrid grid, vec3 at) {
     vec3 inside = clamp(at, vec3(0.0), vec3(grid.points - 1u));

@@ -3,6 +3,7 @@
 pub mod beams;
 pub mod emission;
 pub mod mnee;
+pub mod photons;
 pub mod reference;
 mod settings;
 
@@ -25,11 +26,18 @@ pub enum TechniqueKind {
     Mnee,
     /// Adaptive beam tracing: light between neighbouring rays, in volumes and on surfaces.
     Beams,
+    /// Cascaded image-space photon tracing: light followed over what lights and the camera see, without rays.
+    Photons,
 }
 
 impl TechniqueKind {
-    pub const ALL: &'static [TechniqueKind] =
-        &[TechniqueKind::None, TechniqueKind::Reference, TechniqueKind::Mnee, TechniqueKind::Beams];
+    pub const ALL: &'static [TechniqueKind] = &[
+        TechniqueKind::None,
+        TechniqueKind::Reference,
+        TechniqueKind::Mnee,
+        TechniqueKind::Beams,
+        TechniqueKind::Photons,
+    ];
 
     /// The name of the Rust file, the kernel folder, the command-line value and the GPU label.
     pub fn name(self) -> &'static str {
@@ -38,6 +46,7 @@ impl TechniqueKind {
             TechniqueKind::Reference => "reference",
             TechniqueKind::Mnee => "mnee",
             TechniqueKind::Beams => "beams",
+            TechniqueKind::Photons => "photons",
         }
     }
 
@@ -54,7 +63,7 @@ impl TechniqueKind {
         match self {
             TechniqueKind::None | TechniqueKind::Reference => false,
             TechniqueKind::Mnee => settings.choice("rest") == "off",
-            TechniqueKind::Beams => true,
+            TechniqueKind::Beams | TechniqueKind::Photons => true,
         }
     }
 
@@ -65,6 +74,7 @@ impl TechniqueKind {
             TechniqueKind::Reference => reference::SETTINGS,
             TechniqueKind::Mnee => mnee::SETTINGS,
             TechniqueKind::Beams => beams::SETTINGS,
+            TechniqueKind::Photons => photons::SETTINGS,
         }
     }
 }
@@ -148,5 +158,6 @@ pub fn create(
         TechniqueKind::Reference => Ok(Some(Box::new(reference::Reference::new(settings, context)?))),
         TechniqueKind::Mnee => Ok(Some(Box::new(mnee::Mnee::new(settings, context)?))),
         TechniqueKind::Beams => Ok(Some(Box::new(beams::Beams::new(settings, context)?))),
+        TechniqueKind::Photons => Ok(Some(Box::new(photons::Photons::new(settings, context)?))),
     }
 }

@@ -24,12 +24,6 @@ Photon no_photon() {
     return Photon(vec3(0.0), 0u, vec3(0.0), 0u);
 }
 
-// Of what extinction takes, the part that is scattered.
-vec3 scattered_part(uint medium) {
-    vec3 all = extinction(medium);
-    return mix(vec3(0.0), media[medium].scattering / max(all, vec3(1e-37)), greaterThan(all, vec3(0.0)));
-}
-
 // A reservoir of one: in the end each stretch has been kept with a probability that is its share of the power.
 void keep(inout Kept kept, Kept next, float chance) {
     if (!(next.power > 0.0) || !all_finite(next.flux)) return;

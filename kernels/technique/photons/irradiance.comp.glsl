@@ -1,0 +1,35 @@
+// From flux to irradiance, over the area of surface that each texel of the camera's view covers (erratum 12).
+#include "technique/photons/store.glsl"
+
+layout(set = 3, binding = 4, std430) writeonly buffer PhotonIrradiance { vec4 photon_irradiance[]; };
+layout(push_constant) uniform IrradiancePush {
+    uint camera;
+    float flux_unit;   // W
+    uint printed_area; // 1: Eq. 3 of the paper
+    uint padding0;
+} push;
+
+// Cosine to the surface below which its area is taken for what it is there: nearer to the horizon a texel covers more than
+// its middle can say.
+const float GRAZING = 0.02;
+
+void main() {
+    LightView v = light_views[push.camera];
+    uint index = linear_index();
+    if (index >= v.columns * v.rows) return;
+    vec3 units = vec3(photon_flux[3u * index], photon_flux[3u * index + 1u], photon_flux[3u * index + 2u]);
+    for (uint c = 0u; c < 3u; c++) photon_flux[3u * index + c] = 0u;
+    CameraTexel seen = camera_texels[index];
+    vec3 irradiance = vec3(0.0);
+    if (seen.instance != NO_INSTANCE) {
+        vec2 at = chart_of(v, uvec2(index % v.columns, index / v.columns));
+        vec3 way = v.forward + at.x * v.right + at.y * v.up;
+        vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
+        float cosine = max(abs(dot(unpack_direction(seen.geometric), way)), GRAZING * length(way));
+        // With way = v d / z this is A_plane (z / d) / |v.n|.
+        float area = step.x * step.y * seen.depth * seen.depth / cosine;
+        if (push.printed_area != 0u) area = step.x * step.y * seen.depth * seen.depth * dot(way, way);
+        irradiance = units * (push.flux_unit / area);
+    }
+    photon_irradiance[index] = vec4(irradiance, 0.0);
+}

@@ -1,0 +1,104 @@
+// Follows photons over what the light sees that is opaque and then over what the camera sees, and lands them in the
+// camera's texels (Meenrattanakorn and Lambers 2023, section 3.2). One invocation a photon.
+#include "technique/photons/march.glsl"
+#include "technique/photons/photon.glsl"
+#include "technique/photons/store.glsl"
+#include "technique/photons/fates.glsl"
+#include "technique/photons/tallies.glsl"
+
+layout(push_constant) uniform TracePush {
+    StorePush store;
+    float ledger_unit; // W
+    uint photons;
+    uint options;      // bits, below
+    uint max_steps;
+    uint turns;        // views that a photon is followed over, 2, for the device to read: the loop is not unrolled
+    uint fates;        // FATES
+} push;
+
+const uint OPTION_LINEAR_MARCH = 1u;
+const uint OPTION_LINEAR_END = 2u;
+const uint OPTION_RESCUE = 4u;
+const uint OPTION_PRINTED_AREA = 8u; // Eq. 3 as printed: flux times the incident cosine (erratum 12)
+
+// Cosine between a photon and what it lands on below which it is counted as grazing.
+const float SKIMMING = 0.05;
+
+// Into a texel of the camera's view.
+void land(Photon p, vec3 flux, uint texel) {
+    ends(LEDGER_LANDED, flux);
+    CameraTexel seen = camera_texels[texel];
+    vec3 geometric = unpack_direction(seen.geometric);
+    if (-dot(p.direction, geometric) < SKIMMING) count(TALLY_SKIMMING, 1u);
+    vec3 shading = unpack_direction(seen.shading);
+    bool printed = (push.options & OPTION_PRINTED_AREA) != 0u;
+    flux *= printed ? max(-dot(p.direction, shading), 0.0) : shading_ratio(p.direction, shading, geometric);
+    add_to_texel(texel, flux, push.store.flux_unit);
+}
+
+// Whether a place is behind what the camera's view shows, or outside of it; what floats before that has not landed yet.
+bool is_hidden(LightView camera, vec4 at) {
+    if (at.w < NEAREST) return true;
+    vec2 place = at.xy / at.z;
+    if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(camera.columns, camera.rows)))) return true;
+    return at.w > depth_slabs[slab_index(camera, push.store.camera, 0u, uvec2(place))].x;
+}
+
+// Over the light's view, then over the camera's from where that ended. What is left for photons/rescue.
+PhotonRecord follow(Photon p) {
+    bool rescue = (push.options & OPTION_RESCUE) != 0u;
+    MarchSettings how = MarchSettings((push.options & OPTION_LINEAR_MARCH) == 0u, (push.options & OPTION_LINEAR_END) != 0u,
+                                      true, push.max_steps);
+    LightView camera = light_views[push.store.camera];
+    uint texel = NO_TEXEL;
+    bool hidden = false;
+    Trail trail;
+    trail.t = 0.0;
+    uint index = p.view;
+    // One loop, so that the march is compiled once.
+    for (uint turn = 0u; turn < push.turns && texel == NO_TEXEL && !hidden; turn++) {
+        bool last = turn == 1u;
+        LightView v = light_views[index];
+        how.stops_hidden = !last || rescue;
+        trail = march(v, index, p.origin, p.direction, trail.t, how);
+        count(last ? TALLY_CAMERA_STEPS : TALLY_LIGHT_STEPS, trail.steps);
+        if (trail.end == TRAIL_LONG) count(TALLY_LONG, 1u);
+        index = push.store.camera;
+        if (trail.end != TRAIL_HIT) continue;
+        count(last ? TALLY_CAMERA_HITS : TALLY_LIGHT_HITS, 1u);
+        if (last) {
+            texel = trail.texel.y * v.columns + trail.texel.x;
+        } else {
+            vec4 at;
+            texel = texel_showing(camera, push.store.camera, p.origin + trail.t * p.direction, 1.0, at);
+            hidden = texel == NO_TEXEL && is_hidden(camera, at);
+        }
+    }
+    if (texel == NO_TEXEL && !hidden) {
+        if (rescue) return packed_photon(p);
+        ends(LEDGER_LOST, p.flux);
+        return no_photon();
+    }
+    vec3 flux = p.flux * transmittance(p.medium, p.origin, p.direction, trail.t);
+    takes(p.medium, p.flux - flux);
+    if (!hidden) {
+        land(p, flux, texel);
+        return no_photon();
+    }
+    ends(LEDGER_HIDDEN, flux);
+    return PhotonRecord(p.origin + trail.t * p.direction, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
+}
+
+void main() {
+    open_tallies();
+    barrier();
+    uint slot = linear_index();
+    if (slot < push.photons) {
+        PhotonRecord record = photon_records[slot];
+        if (mean(record.flux) > 0.0) {
+            photon_records[slot] = follow(unpacked_photon(record));
+            book_fates(push.fates, push.ledger_unit);
+        }
+    }
+    close_tallies();
+}

@@ -1,0 +1,108 @@
+//! What `--set photons.key=value` and a scene file's `[technique.photons]` can say.
+
+use crate::technique::{Setting, SettingKind};
+
+/// All of them.
+pub const SETTINGS: &[Setting] = &[
+    Setting {
+        key: "photons",
+        kind: SettingKind::Integer { min: 64, max: 4_000_000 },
+        default: "1000000",
+        unit: "photons",
+        help: "Photons of a set: places on what lights see, in a grid with one photon a cell",
+    },
+    Setting {
+        key: "reuse",
+        kind: SettingKind::Integer { min: 1, max: 65_536 },
+        default: "1",
+        unit: "samples",
+        help: "Samples that share one set of photons",
+    },
+    Setting {
+        key: "resolution",
+        kind: SettingKind::Integer { min: 16, max: 8192 },
+        default: "2048",
+        unit: "texels",
+        help: "Texels along a side of each light's view; fewer where all views together would not fit the device",
+    },
+    Setting {
+        key: "margin",
+        kind: SettingKind::Number { min: 0.0, max: 1.0 },
+        default: "0.1",
+        unit: "",
+        help: "Of the picture's longer side, how far the camera's view goes beyond the picture on every side",
+    },
+    Setting {
+        key: "thickness",
+        kind: SettingKind::Number { min: 0.0, max: 1000.0 },
+        default: "0",
+        unit: "m",
+        help: "How thick what the views see is taken to be; 0: by the width of a texel where it is seen",
+    },
+    Setting {
+        key: "march",
+        kind: SettingKind::Choice(&["hierarchical", "linear"]),
+        default: "hierarchical",
+        unit: "",
+        help: "How photons are followed over a view: over a pyramid of depths, or texel by texel as in the paper",
+    },
+    Setting {
+        key: "end",
+        kind: SettingKind::Choice(&["plane", "linear"]),
+        default: "plane",
+        unit: "",
+        help: "Where in its texel a photon lands: on the plane of the triangle that is seen, or where depths interpolated \
+               between texels meet as in the paper (Eq. 2)",
+    },
+    Setting {
+        key: "order",
+        kind: SettingKind::Choice(&["tiles", "shuffled"]),
+        default: "tiles",
+        unit: "",
+        help: "Which photons are followed side by side: neighbours, or any, for comparison",
+    },
+    Setting {
+        key: "rescue",
+        kind: SettingKind::Choice(&["off", "rays"]),
+        default: "off",
+        unit: "",
+        help: "What becomes of photons that the views lose: nothing, as in the paper, or a traced ray finishes them and \
+               what lands where the camera's view shows nothing is kept in space",
+    },
+    Setting {
+        key: "area",
+        kind: SettingKind::Choice(&["surface", "printed"]),
+        default: "surface",
+        unit: "",
+        help: "Flux over the surface that a texel covers, or as the paper prints it (Eq. 3), which is wrong off the axis \
+               and at an angle",
+    },
+    Setting {
+        key: "roughness",
+        kind: SettingKind::Number { min: 0.0, max: 1.0 },
+        default: "0.3",
+        unit: "",
+        help: "Roughness of mirrors beyond which they are not taken for specular",
+    },
+    Setting {
+        key: "luminance",
+        kind: SettingKind::Number { min: 0.0, max: 1.0 },
+        default: "0.04",
+        unit: "",
+        help: "Of a photon's mean flux, below which photons are followed by chance and carry more",
+    },
+    Setting {
+        key: "steps",
+        kind: SettingKind::Integer { min: 16, max: 65_536 },
+        default: "16384",
+        unit: "",
+        help: "Steps that a photon takes over one view at the most",
+    },
+    Setting {
+        key: "cube",
+        kind: SettingKind::Number { min: 0.25, max: 64.0 },
+        default: "2",
+        unit: "pixels",
+        help: "Least side of the cubes in space that hold the light of places which the camera's view does not show",
+    },
+];
