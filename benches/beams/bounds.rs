@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use nephroid::gpu::Device;
+
 use crate::Options;
 use crate::run::{Run, Split, items, settings};
 
@@ -22,7 +24,7 @@ struct Row {
     split: Split,
 }
 
-pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
+pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
     let scenes = options.scene.clone().map_or(SCENES.map(PathBuf::from).to_vec(), |scene| vec![scene]);
     println!("scene             tier      bounds     beams      drawn     inside  made ms added ms");
     let mut rows = Vec::new();
@@ -30,7 +32,7 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
         for tier in ["vertices", "geometry"] {
             for bounds in ["six", "prism"] {
                 let set = items(&[("accumulate", tier), ("bounds", bounds), ("footprint", "point"), ("levels", "4")]);
-                let mut run = Run::new(&scene, &settings(options, None, SIZE, &set))?;
+                let mut run = Run::new(device, &scene, &settings(options, None, SIZE, &set))?;
                 run.sample()?;
                 let row = Row {
                     scene: scene.clone(),
