@@ -124,10 +124,13 @@ pub fn frame_alone(request: &Request) {
 
 pub fn adaptive(request: &Request) {
     let uniform = small(request, &[], |s| s.samples = Some(8));
-    let adaptive = small(request, &[], |s| {
+    let adaptive = small(request, &["beams.filter=2"], |s| {
         s.samples = Some(8);
         s.adaptive = true;
     });
+    // It would spread light over slots that are not pixels, and says that it does not.
+    assert!(adaptive.stats.warnings.iter().any(|warning| warning.contains("beams.filter is left out")));
+    assert!(uniform.stats.warnings.is_empty(), "{:?}", uniform.stats.warnings);
     for name in ["caustic", "caustic_volume"] {
         let (found, expected) = (layer(&adaptive.image, name), layer(&uniform.image, name));
         let ratio = sum(&found) / sum(&expected);
