@@ -13,8 +13,8 @@ use crate::run::{Run, Split, Truth, items, settings};
 
 /// Pixels that an edge's middle may land beside the mean of its ends: from where to where, and how often the range is
 /// halved, by its logarithm.
-const DEVIATIONS: (f64, f64) = (0.05, 50.0);
-const HALVINGS: u32 = 6;
+const DEVIATIONS: (f64, f64) = (1.0, 1000.0);
+const HALVINGS: u32 = 7;
 
 const CAMERA: &str = "under";
 
@@ -48,7 +48,7 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
     for &levels in &options.levels {
         let refined = |deviation: f64| {
             // By deviation alone: where all of a surface focuses light, the rule for focus splits all of it.
-            let mut set = [("grid", "16"), ("least_level", "0"), ("split_energy", "off")].map(owned).to_vec();
+            let mut set = [("grid", "16"), ("split_energy", "off")].map(owned).to_vec();
             set.extend([("levels", levels.to_string()), ("deviation", format!("{deviation:.3}"))]);
             set
         };
