@@ -144,4 +144,10 @@ pub fn adaptive(request: &Request) {
         assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio} of the light");
     }
     assert!(adaptive.stats.adaptive.is_some());
+    // What neighbours see says nothing of what a sample's pixel covers.
+    let points = small(request, &["beams.footprint=point"], |s| {
+        s.samples = Some(8);
+        s.adaptive = true;
+    });
+    assert!(bits(&points) == bits(&adaptive), "adaptive samples look at more than points");
 }
