@@ -2,6 +2,8 @@
 
 mod beams;
 mod common;
+#[path = "technique_beams_accumulate/filter.rs"]
+mod filter;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -25,6 +27,11 @@ fn main() -> ExitCode {
         Case { name: "shadows_fall", needs: &[], disable: "", run: shadows },
         Case { name: "degenerate_beams_are_dark_or_finite", needs: &[], disable: "", run: degenerate },
         Case { name: "adaptive_rounds_and_equal_bits", needs: &[], disable: "", run: adaptive },
+        Case { name: "the_filter_keeps_even_light_and_flux", needs: &[], disable: "", run: filter::flat_and_flux },
+        Case { name: "the_filter_is_as_wide_as_it_says", needs: &[], disable: "", run: filter::width },
+        Case { name: "the_filter_does_not_leak", needs: &[], disable: "", run: filter::leaks },
+        Case { name: "the_filter_ends_at_bands", needs: &[], disable: "", run: filter::bands },
+        Case { name: "the_filter_gives_equal_bits", needs: &[], disable: "", run: filter::equal_bits },
     ])
 }
 

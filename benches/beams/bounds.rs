@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use nephroid::gpu::Device;
+
 use crate::Options;
 use crate::run::{Run, Split, items, settings};
 
@@ -17,20 +19,18 @@ struct Row {
     beams: f64,
     /// Shaded by a rasteriser, of points and volumes.
     drawn: f64,
-    /// Of those, in their beam.
-    inside: f64,
     split: Split,
 }
 
-pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
+pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
     let scenes = options.scene.clone().map_or(SCENES.map(PathBuf::from).to_vec(), |scene| vec![scene]);
-    println!("scene             tier      bounds     beams      drawn     inside  made ms added ms");
+    println!("scene             tier      bounds     beams      drawn  made ms added ms");
     let mut rows = Vec::new();
     for scene in scenes {
         for tier in ["vertices", "geometry"] {
             for bounds in ["six", "prism"] {
                 let set = items(&[("accumulate", tier), ("bounds", bounds), ("footprint", "point"), ("levels", "4")]);
-                let mut run = Run::new(&scene, &settings(options, None, SIZE, &set))?;
+                let mut run = Run::new(device, &scene, &settings(options, None, SIZE, &set))?;
                 run.sample()?;
                 let row = Row {
                     scene: scene.clone(),
@@ -38,7 +38,6 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
                     bounds,
                     beams: run.counter("beams")?,
                     drawn: run.counter("beam_fragments_drawn")?,
-                    inside: run.counter("beam_fragments")?,
                     split: run.split()?,
                 };
                 print(&row);
@@ -52,13 +51,12 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
 
 fn print(row: &Row) {
     println!(
-        "{:<17} {:<9} {:<6} {:>9} {:>10} {:>10} {:>8.0} {:>8.0}",
+        "{:<17} {:<9} {:<6} {:>9} {:>10} {:>8.0} {:>8.0}",
         row.scene.file_stem().unwrap_or_default().to_string_lossy(),
         row.tier,
         row.bounds,
         row.beams,
         row.drawn,
-        row.inside,
         row.split.generation,
         row.split.accumulation
     );

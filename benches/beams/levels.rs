@@ -1,7 +1,9 @@
 //! Error by levels of refinement, at every doubling of samples.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use nephroid::gpu::Device;
 
 use crate::Options;
 use crate::run::{Run, Truth, items, settings};
@@ -9,82 +11,102 @@ use crate::run::{Run, Truth, items, settings};
 /// relRMSE to come below.
 const GOALS: [f64; 3] = [0.10, 0.05, 0.02];
 
-#[derive(Debug, Clone, Copy, serde::Serialize)]
+/// The pool's.
+const CAMERAS: [&str; 2] = ["under", "above"];
+
+#[derive(Debug, Clone, serde::Serialize)]
 struct Row {
+    camera: String,
     levels: u32,
     samples: u32,
     /// Of the last set.
     beams: f64,
+    /// Of vertices, sheets and beams, what there was no room for.
+    dropped: f64,
     rel_rmse: f64,
     energy_ratio: f64,
     seconds: f64,
+    /// What became of the device's capabilities.
+    tier: String,
 }
 
-pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
-    let truth = Truth::of(options)?;
-    let scene: PathBuf = options.scene.clone().unwrap_or_else(|| "scenes/pool.toml".into());
+pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
+    let all = || CAMERAS.map(String::from).to_vec();
     let mut rows = Vec::new();
-    let mut device = String::new();
-    for &levels in &options.levels {
-        device = row_of_doublings(options, &scene, levels, &truth, &mut rows)?;
-    }
-    for goal in GOALS {
-        let met = rows.iter().filter(|row| row.rel_rmse <= goal).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        match met {
-            Some(row) => println!(
-                "{:>4.0} %: {:.2} s, {} levels, {} samples",
-                100.0 * goal,
-                row.seconds,
-                row.levels,
-                row.samples
-            ),
-            None => println!("{:>4.0} %: not met", 100.0 * goal),
+    for camera in options.camera.clone().map_or_else(all, |camera| vec![camera]) {
+        let truth = Truth::of(options, &camera)?;
+        println!("camera {camera}, {:?} pixels\nlevels samples     beams  relRMSE    energy  CPU-s", truth.size());
+        let mut found = Vec::new();
+        for &levels in &options.levels {
+            found.extend(row_of_doublings(options, device, &camera, levels, &truth)?);
         }
+        for goal in GOALS {
+            print_goal(goal, &found);
+        }
+        println!();
+        rows.extend(found);
     }
-    println!();
-    Ok(serde_json::json!({ "device": device, "size": truth.size(), "rows": rows }))
+    Ok(serde_json::json!({ "rows": rows }))
+}
+
+/// The quickest to come below an error.
+fn print_goal(goal: f64, rows: &[Row]) {
+    let percent = 100.0 * goal;
+    let met = rows.iter().filter(|row| row.rel_rmse <= goal).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    match met {
+        Some(row) => println!("{percent:>4.0} %: {:.2} s, {} levels, {} samples", row.seconds, row.levels, row.samples),
+        None => println!("{percent:>4.0} %: not met"),
+    }
 }
 
 /// Samples until `options.seconds` are gone.
 fn row_of_doublings(
     options: &Options,
-    scene: &Path,
+    device: &Device,
+    camera: &str,
     levels: u32,
     truth: &Truth,
-    rows: &mut Vec<Row>,
-) -> Result<String, Box<dyn Error>> {
+) -> Result<Vec<Row>, Box<dyn Error>> {
+    let scene: PathBuf = options.scene.clone().unwrap_or_else(|| "scenes/pool.toml".into());
     // The truth is of light refracted once.
     let set = items(&[("bounces", "1"), ("levels", &levels.to_string())]);
-    let mut run = Run::new(scene, &settings(options, Some("under"), truth.size(), &set))?;
-    if rows.is_empty() {
-        println!("{}", run.about());
-        println!("levels samples     beams  relRMSE    energy  CPU-s");
-    }
+    let mut run = Run::new(device, &scene, &settings(options, Some(camera), truth.size(), &set))?;
+    let mut rows = Vec::new();
     loop {
         run.sample()?;
-        let samples = run.renderer.done();
-        if samples.is_power_of_two() {
-            let metrics = run.error(truth, &options.layer)?;
-            let row = Row {
-                levels,
-                samples,
-                beams: run.counter("beams")?,
-                rel_rmse: metrics.rel_rmse,
-                energy_ratio: metrics.energy_ratio,
-                seconds: run.seconds,
-            };
-            println!(
-                "{levels:>6} {samples:>7} {:>9} {:>7.2}% {:>9.5} {:>6.2}",
-                row.beams,
-                100.0 * row.rel_rmse,
-                row.energy_ratio,
-                row.seconds
-            );
-            rows.push(row);
-            // The next doubling takes as long again.
-            if 2.0 * run.seconds > options.seconds {
-                return Ok(run.about());
-            }
+        if !run.renderer.done().is_power_of_two() {
+            continue;
+        }
+        let metrics = run.error(truth, &options.layer)?;
+        let row = Row {
+            camera: camera.to_string(),
+            levels,
+            samples: run.renderer.done(),
+            beams: run.counter("beams")?,
+            dropped: run.dropped()?,
+            rel_rmse: metrics.rel_rmse,
+            energy_ratio: metrics.energy_ratio,
+            seconds: run.seconds,
+            tier: run.renderer.tier(),
+        };
+        print(&row);
+        rows.push(row);
+        // The next doubling takes as long again.
+        if 2.0 * run.seconds > options.seconds {
+            return Ok(rows);
         }
     }
+}
+
+fn print(row: &Row) {
+    let room = if row.dropped > 0.0 { format!(", no room for {}", row.dropped) } else { String::new() };
+    println!(
+        "{:>6} {:>7} {:>9} {:>7.2}% {:>9.5} {:>6.2}{room}",
+        row.levels,
+        row.samples,
+        row.beams,
+        100.0 * row.rel_rmse,
+        row.energy_ratio,
+        row.seconds
+    );
 }

@@ -1,9 +1,10 @@
 //! A renderer whose pipelines are made, and what its samples take.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use nephroid::gpu::Device;
 use nephroid::image::metrics::{Metrics, compare};
 use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
@@ -47,8 +48,8 @@ pub struct Split {
 
 impl Run {
     /// Ready for the first sample, after one that made pipelines.
-    pub fn new(scene: &Path, settings: &RenderSettings) -> Result<Self, Box<dyn Error>> {
-        let mut renderer = Renderer::new(scene::load(scene)?, settings)?;
+    pub fn new(device: &Device, scene: &Path, settings: &RenderSettings) -> Result<Self, Box<dyn Error>> {
+        let mut renderer = Renderer::with_device(device.clone(), scene::load(scene)?, settings)?;
         renderer.sample()?;
         renderer.restart()?;
         Ok(Run { renderer, seconds: 0.0 })
@@ -72,6 +73,12 @@ impl Run {
         Ok(counters.iter().find(|counter| counter.name == name).map_or(0.0, |counter| counter.value))
     }
 
+    /// What there was no room for.
+    pub fn dropped(&self) -> Result<f64, Box<dyn Error>> {
+        let counters = self.renderer.finish()?.stats.counters;
+        Ok(counters.iter().filter(|counter| counter.name.ends_with("_dropped")).map(|counter| counter.value).sum())
+    }
+
     pub fn split(&self) -> Result<Split, Box<dyn Error>> {
         let mut split = Split::default();
         for pass in self.renderer.passes() {
@@ -85,11 +92,6 @@ impl Run {
         }
         Ok(split)
     }
-
-    /// The device and what became of its capabilities.
-    pub fn about(&self) -> String {
-        format!("{}, {}", self.renderer.device().info.describe(), self.renderer.tier())
-    }
 }
 
 /// What pictures are held against.
@@ -99,8 +101,10 @@ pub struct Truth {
 }
 
 impl Truth {
-    pub fn of(options: &Options) -> Result<Self, Box<dyn Error>> {
-        let (picture, mask) = report::truth(&options.truth, options.mask.as_deref())?;
+    /// The one asked for, or what a camera of the pool sees.
+    pub fn of(options: &Options, camera: &str) -> Result<Self, Box<dyn Error>> {
+        let own = || PathBuf::from(format!("tests/truth/pool_{camera}_120x90.exr"));
+        let (picture, mask) = report::truth(&options.truth.clone().unwrap_or_else(own), options.mask.as_deref())?;
         Ok(Truth { picture, mask })
     }
 

@@ -3,11 +3,13 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use nephroid::gpu::Device;
+
 use crate::Options;
 use crate::run::{Run, Split, settings};
 
 const SIZE: (u32, u32) = (256, 192);
-const SCENES: [&str; 6] = ["pool", "turbid_pool", "glass_sphere", "water_sphere", "smoke", "skull"];
+const SCENES: [&str; 7] = ["pool", "turbid_pool", "glass_sphere", "water_sphere", "smoke", "skull", "cup"];
 
 #[derive(Debug, Clone, serde::Serialize)]
 struct Row {
@@ -17,13 +19,13 @@ struct Row {
     seconds: f64,
 }
 
-pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
+pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
     let shipped = || SCENES.map(|name| PathBuf::from(format!("scenes/{name}.toml"))).to_vec();
     let scenes = options.scene.clone().map_or_else(shipped, |scene| vec![scene]);
     println!("scene                 beams  made ms added ms frame ms  CPU-s");
     let mut rows = Vec::new();
     for scene in scenes {
-        let mut run = Run::new(&scene, &settings(options, None, SIZE, &[]))?;
+        let mut run = Run::new(device, &scene, &settings(options, None, SIZE, &[]))?;
         run.sample()?;
         let row = Row { scene, beams: run.counter("beams")?, split: run.split()?, seconds: run.seconds };
         println!(

@@ -147,4 +147,21 @@ mod tests {
             }
         }
     }
+
+    /// Of the techniques that README.md has a table for.
+    #[test]
+    fn the_readme_has_every_setting_with_its_default() {
+        let readme = include_str!("../../README.md");
+        for kind in [TechniqueKind::Reference, TechniqueKind::Beams] {
+            let heading = format!("### Settings of `{}`", kind.name());
+            let section = readme.split(&heading).nth(1).and_then(|rest| rest.split("\n#").next()).unwrap();
+            let rows: Vec<Vec<&str>> = section.lines().map(|line| line.split('|').map(str::trim).collect()).collect();
+            for setting in kind.settings() {
+                let key = format!("`{}`", setting.key);
+                let row = rows.iter().find(|cells| cells.get(1).is_some_and(|keys| keys.contains(&key)));
+                let default = row.and_then(|cells| cells.get(2)).map(|cell| cell.trim_matches('`'));
+                assert_eq!(default, Some(setting.default), "{} {key}", kind.name());
+            }
+        }
+    }
 }

@@ -62,9 +62,18 @@ impl Stage {
     }
 
     pub fn on(device: Device, scene: Scene, size: (u32, u32), sampling: Sampling) -> Self {
+        Self::with(device, scene, size, Band { first: 0, count: size.1 }, sampling)
+    }
+
+    /// Of some rows of a picture of `size`.
+    pub fn of_band(request: &Request, scene: Scene, size: (u32, u32), band: Band) -> Self {
+        Self::with(request.open(), scene, size, band, Sampling::Uniform)
+    }
+
+    fn with(device: Device, scene: Scene, size: (u32, u32), band: Band, sampling: Sampling) -> Self {
         let gpu_scene = GpuScene::new(&device, &scene).unwrap();
         let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();
-        let view = View::new(&scene.cameras[0], &scene.film, size, Band { first: 0, count: size.1 }).of(&scene);
+        let view = View::new(&scene.cameras[0], &scene.film, size, band).of(&scene);
         let frame = Frame::new(&device, &gpu_scene, &tracer, &view, sampling).unwrap();
         Stage { device, scene, tracer, frame }
     }

@@ -68,16 +68,20 @@ fn bits(picture: &Picture) -> Vec<u32> {
 
 pub fn equal_bits(request: &Request) {
     let picture = |jitter: &str, seed: u32, samples: u32| {
-        bits(&small(request, &[jitter, "beams.reuse=1"], |s| {
+        small(request, &[jitter, "beams.reuse=1"], |s| {
             s.seed = seed;
             s.samples = Some(samples);
-        }))
+        })
     };
     let [on, off] = ["beams.jitter=on", "beams.jitter=off"];
     let first = picture(on, 7, 3);
-    assert!(first == picture(on, 7, 3), "equal seeds gave different bits");
-    assert!(first != picture(on, 8, 3), "the seed has no effect");
-    assert!(picture(on, 7, 1) != picture(off, 7, 1), "jitter has no effect");
+    assert!(bits(&first) == bits(&picture(on, 7, 3)), "equal seeds gave different bits");
+    assert!(bits(&first) != bits(&picture(on, 8, 3)), "the seed has no effect");
+    // The ledger knows where grids lie, and nothing of where in their pixels samples look.
+    let landed = |jitter: &str, seed: u32, samples: u32| crate::watts(&picture(jitter, seed, samples), "landed");
+    assert!(landed(on, 7, 1) != landed(on, 8, 1), "the seed does not move the grids");
+    assert!(landed(on, 7, 1) != landed(on, 7, 2), "grids do not move from set to set");
+    assert_eq!(landed(off, 7, 1), landed(off, 8, 2), "grids move without jitter");
     let mean = |jitter: &str| sum(&layer(&small(request, &[jitter], |_| {}).image, "caustic"));
     // It moves beams' borders, not the light.
     let ratio = mean(on) / mean(off);
@@ -124,10 +128,14 @@ pub fn frame_alone(request: &Request) {
 
 pub fn adaptive(request: &Request) {
     let uniform = small(request, &[], |s| s.samples = Some(8));
-    let adaptive = small(request, &[], |s| {
+    let adaptive = small(request, &["beams.filter=2"], |s| {
         s.samples = Some(8);
         s.adaptive = true;
     });
+    // It would spread light over slots that are not pixels, and says that it does not.
+    let told =
+        |picture: &Picture| picture.stats.warnings.iter().any(|warning| warning.contains("beams.filter is left out"));
+    assert!(told(&adaptive) && !told(&uniform), "{:?}", adaptive.stats.warnings);
     for name in ["caustic", "caustic_volume"] {
         let (found, expected) = (layer(&adaptive.image, name), layer(&uniform.image, name));
         let ratio = sum(&found) / sum(&expected);
@@ -136,4 +144,10 @@ pub fn adaptive(request: &Request) {
         assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio} of the light");
     }
     assert!(adaptive.stats.adaptive.is_some());
+    // What neighbours see says nothing of what a sample's pixel covers.
+    let points = small(request, &["beams.footprint=point"], |s| {
+        s.samples = Some(8);
+        s.adaptive = true;
+    });
+    assert!(bits(&points) == bits(&adaptive), "adaptive samples look at more than points");
 }

@@ -120,13 +120,15 @@ impl Eye {
         (forward + x * right + y * right.cross(forward)).normalize()
     }
 
-    fn picture(&self, request: &Request) -> Picture {
+    fn picture(&self, request: &Request, technique: TechniqueKind) -> Picture {
         let mut scene = load("flat_water.toml");
         let above = scene.cameras.iter_mut().find(|camera| camera.name == "above").unwrap();
         above.position = self.position.as_vec3();
         above.target = self.target.as_vec3();
         above.fov_y = self.fov_y as f32;
-        let picture = render(request, scene, &FLAT, |s| {
+        let set: &[&str] = if technique == TechniqueKind::Beams { &FLAT } else { &[] };
+        let picture = render(request, scene, set, |s| {
+            s.technique = technique;
             s.camera = Some("above".to_string());
             s.size = Some((48, 36));
         });
@@ -145,11 +147,14 @@ fn reflectance(cosine: f64) -> f64 {
     0.5 * (across * across + along * along)
 }
 
+/// Of what the water reflects onto the wall: beams are as wide as where it comes from is far from the wall. 1.2 % on lavapipe.
+const MIRRORED: f64 = 0.03;
+
 /// From the air: the floor through the water, in one layer, and in the other what the water reflects, twice: light of the
 /// lamp on a wall, and the wall.
 fn from_above(request: &Request) {
     let eye = Eye { position: DVec3::new(0.0, 5.0, 5.0), target: DVec3::new(0.0, -2.0, 0.0), fov_y: 50.0 };
-    let refracted = layer(&eye.picture(request).image, "refracted");
+    let refracted = layer(&eye.picture(request, TechniqueKind::Beams).image, "refracted");
     let mut compared = Compared::default();
     for (row, column) in (0..36).flat_map(|row| (0..48).map(move |column| (row, column))) {
         let way = eye.way(column, row);
@@ -166,9 +171,11 @@ fn from_above(request: &Request) {
     compared.check("floor from above", SMOOTH);
     assert!(compared.count > 500.0);
 
-    let eye = Eye { position: DVec3::new(0.0, 1.5, 3.0), target: DVec3::new(0.0, 0.0, -4.0), fov_y: 2.0 };
-    let reflected = layer(&eye.picture(request).image, "reflected");
-    let mut compared = Compared::default();
+    let eye = Eye { position: DVec3::new(0.0, 1.5, 3.0), target: DVec3::new(0.0, 0.0, -3.6), fov_y: 2.0 };
+    let reflected = layer(&eye.picture(request, TechniqueKind::Beams).image, "reflected");
+    // The lamp's own light is fifty times as bright.
+    let direct = layer(&eye.picture(request, TechniqueKind::None).image, "reflected");
+    let [mut compared, mut mirrored] = [Compared::default(), Compared::default()];
     for (row, column) in (0..36).flat_map(|row| (0..48).map(move |column| (row, column))) {
         let way = eye.way(column, row);
         // As if the eye were under the water, and so the lamp.
@@ -179,12 +186,18 @@ fn from_above(request: &Request) {
             continue;
         }
         let [lamp, image] = [6.0, -6.0].map(|height| DVec3::new(1.5, height, -1.0) - wall);
-        let [direct, mirrored] = [lamp, image].map(|to| 100.0 * to.z / to.length().powi(3));
-        let irradiance = direct + reflectance(-image.y / image.length()) * mirrored;
-        let expected = reflectance(-way.y) * 0.6 / PI * irradiance;
-        compared.add(reflected[(48 * row + column) as usize][1].into(), expected);
+        let [from_lamp, from_image] = [lamp, image].map(|to| 100.0 * to.z / to.length().powi(3));
+        let seen = reflectance(-way.y) * 0.6 / PI;
+        let caustic = seen * reflectance(-image.y / image.length()) * from_image;
+        let at = (48 * row + column) as usize;
+        compared.add(reflected[at][1].into(), seen * from_lamp + caustic);
+        // Lower, it comes from squares of the water that reach to the wall.
+        if wall.y > 0.35 {
+            mirrored.add((reflected[at][1] - direct[at][1]).into(), caustic);
+        }
     }
     compared.check("wall in the water", SMOOTH);
+    mirrored.check("light from the water on it", MIRRORED);
 }
 
 pub fn waves(request: &Request) {

@@ -29,7 +29,11 @@ pub struct Beams {
     reuse: u32,
     /// Whether the views' texels are looked up.
     buffered: bool,
+    /// Whether light was to be filtered and is not.
+    unfiltered: bool,
 }
+
+const UNFILTERED: &str = "beams.filter is left out with --adaptive: a sample's neighbours are not its pixel's there";
 
 /// Texels along a side of a light's view where none are looked up, the fewest there can be.
 const UNUSED_TEXELS: u32 = 2;
@@ -56,6 +60,7 @@ impl Beams {
             accumulator,
             reuse: settings.integer("reuse"),
             buffered: settings.choice("light") != "rays",
+            unfiltered: settings.number("filter") > 0.0 && context.frame.adaptive().is_some(),
         })
     }
 }
@@ -102,11 +107,11 @@ impl Technique for Beams {
         }
         let dropped =
             self.counters()?.into_iter().filter(|entry| entry.value > 0.0 && entry.name.ends_with("_dropped"));
-        Ok(dropped
-            .map(|entry| {
-                let what = entry.name.trim_end_matches("_dropped");
-                format!("beams had no room for {} {what}; some light may be missing", entry.value)
-            })
-            .collect())
+        let dropped = dropped.map(|entry| {
+            let what = entry.name.trim_end_matches("_dropped");
+            format!("beams had no room for {} {what}; some light may be missing", entry.value)
+        });
+        let unfiltered = self.unfiltered.then(|| UNFILTERED.to_string());
+        Ok(dropped.chain(unfiltered).collect())
     }
 }

@@ -2,6 +2,7 @@
 
 mod boxes;
 mod counters;
+mod filter;
 mod hulls;
 mod options;
 
@@ -13,6 +14,7 @@ use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
+use filter::Filter;
 use hulls::Hulls;
 
 /// The beams of a sample, wherever they come from.
@@ -85,6 +87,7 @@ pub const LAYOUTS: &[Layout] = &[
     hulls::Hull::LAYOUT,
     hulls::HullPush::LAYOUT,
     hulls::ExtrudePush::LAYOUT,
+    filter::FilterPush::LAYOUT,
 ];
 
 /// Slots of a tile, 8 x 8.
@@ -101,6 +104,7 @@ pub struct Accumulator {
     volume: Option<(Kernel, VolumePush)>,
     /// `None` where tiles look for all light.
     hulls: Option<Hulls>,
+    filter: Option<Filter>,
     tiles: u32,
     listed: bool,
     footprints: bool,
@@ -141,6 +145,7 @@ impl Accumulator {
         Ok(Accumulator {
             shade,
             hulls,
+            filter: Filter::new(&options, context)?,
             beams: beams.clone(),
             bindings: bindings.and(boxes.bindings()).and(&drawn),
             boxes,
@@ -191,7 +196,7 @@ impl Accumulator {
             let push = VolumeLightPush { tile: self.tile_push(), shade: self.shade, volume: *volume };
             recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
         }
-        Ok(())
+        self.filter.as_ref().map_or(Ok(()), |filter| filter.record(frame, recorder))
     }
 
     fn tile_push(&self) -> TilePush {

@@ -36,6 +36,14 @@ pub const SETTINGS: &[Setting] = &[
                than a pixel, or a point; with --adaptive always a point",
     },
     Setting {
+        key: "filter",
+        kind: SettingKind::Number { min: 0.0, max: 16.0 },
+        default: "0",
+        unit: "pixels",
+        help: "Standard deviation by which light on surfaces is spread over pixels that see the same surface, for beams that \
+               are few and have areas of their own; 0: not at all; not with --adaptive",
+    },
+    Setting {
         key: "shadows",
         kind: SettingKind::Choice(&["points", "edges"]),
         default: "points",
@@ -140,6 +148,8 @@ pub struct Options {
     pub shadows: Shadows,
     /// What a pixel covers, not its point.
     pub footprints: bool,
+    /// Pixels: standard deviation of the low-pass filter on surfaces; 0 for none.
+    pub filter: f32,
     pub interval: Interval,
     pub integral: Integral,
     /// m before a surface within which volume light fades.
@@ -170,6 +180,7 @@ impl Options {
             soft: settings.number("soft"),
             light_angle: settings.number("light_angle").to_radians(),
             footprints: settings.choice("footprint") == "pixel",
+            filter: settings.number("filter"),
         }
     }
 }
@@ -182,6 +193,7 @@ impl Options {
         area: Area::Vertex,
         shadows: Shadows::Points,
         footprints: true,
+        filter: 0.0,
         interval: Interval::Exact,
         integral: Integral::Closed,
         soft: 0.0,
