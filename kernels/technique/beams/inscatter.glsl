@@ -97,15 +97,20 @@ vec3 step_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossin
     Area area = area_round(c, middle);
     float before = max(way_since_start(beam, section_along(beam, c, middle)), 0.0);
     float floor_area = least_area(push, before);
-    // Gauss's two points are good for cubics.
-    float place = how.integral == INTEGRAL_MIDPOINT ? 0.0 : extent * INVERSE_ROOT_3;
+    // Gauss's two points are good for cubics. How many there are is the device's to read, so that a point is compiled once.
+    bool single = how.integral == INTEGRAL_MIDPOINT;
+    float place = single ? 0.0 : extent * INVERSE_ROOT_3;
     vec2 weights = vec2(extent) / max(vec2(area_over(area, -place), area_over(area, place)), floor_area);
     if (how.integral == INTEGRAL_CLOSED) {
         vec2 moments = inverse_moments(area, extent, floor_area);
         weights = 0.5 * (moments.x + vec2(-1.0, 1.0) * moments.y / place);
     }
-    return weights.x * scattered_at(push, beam, s, c, middle - place) +
-           weights.y * scattered_at(push, beam, s, c, middle + place);
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < (single ? 1u : 2u); i++) {
+        float weight = single ? 2.0 * weights.x : weights[i];
+        sum += weight * scattered_at(push, beam, s, c, middle + (i == 0u ? -place : place));
+    }
+    return sum;
 }
 
 // The part of a stretch that can be bright.
