@@ -98,19 +98,19 @@ fn watts(picture: &Picture, name: &str) -> f64 {
 }
 
 /// A small render of which only the ledger is of interest.
-fn ledger_of(request: &Request, scene: &str, set: &[&str]) -> Picture {
+fn ledger_of(request: &Request, scene: &str, photons: u32, set: &[&str]) -> Picture {
     request.render(load(scene), |s| {
         s.size = Some((8, 6));
         s.samples = Some(2);
         s.set = set.iter().map(|s| s.to_string()).collect();
-        s.set.push("reference.photons=100000".to_string());
+        s.set.push(format!("reference.photons={photons}"));
     })
 }
 
 fn ledger(request: &Request) {
     for scene in ["pool.toml", "glass_sphere.toml", "cornell_flooded.toml", "cup.toml", "lagoon.toml"] {
         for fresnel in ["reference.fresnel=chance", "reference.fresnel=split"] {
-            let picture = ledger_of(request, scene, &[fresnel]);
+            let picture = ledger_of(request, scene, 100_000, &[fresnel]);
             let emitted = watts(&picture, "emitted");
             let booked: f64 = picture.stats.ledger.iter().skip(1).map(|e| e.watts).sum();
             println!("{scene} {fresnel}: {:?}", picture.stats.ledger);
@@ -126,7 +126,7 @@ fn ledger(request: &Request) {
 
 fn path_classes(request: &Request) {
     let landed = |paths: &str| {
-        let picture = ledger_of(request, "cornell_flooded.toml", &[&format!("reference.paths={paths}")]);
+        let picture = ledger_of(request, "cornell_flooded.toml", 20_000, &[&format!("reference.paths={paths}")]);
         watts(&picture, "landed")
     };
     let all = landed("all");
@@ -138,7 +138,7 @@ fn path_classes(request: &Request) {
 
 fn fresnel(request: &Request) {
     let landed = |mode: &str| {
-        let picture = ledger_of(request, "pool.toml", &[&format!("reference.fresnel={mode}")]);
+        let picture = ledger_of(request, "pool.toml", 100_000, &[&format!("reference.fresnel={mode}")]);
         watts(&picture, "landed")
     };
     let (chance, split) = (landed("chance"), landed("split"));
@@ -154,7 +154,7 @@ fn tiers(request: &Request) {
             s.camera = Some("under".to_string());
             s.size = Some((48, 36));
             s.samples = Some(2);
-            s.set = vec!["reference.photons=100000".to_string()];
+            s.set = vec!["reference.photons=30000".to_string()];
         });
         layer(&picture.image, "final")
     };

@@ -78,6 +78,47 @@ struct March {
 
 const float ENDLESS = 1e30;
 
+// A ray's way through a grid, from where it enters its box on. Origin and way count cells: a far origin's would cancel.
+struct GridWalk {
+    vec3 origin;
+    vec3 way;  // per metre
+    vec3 next; // m, the next plane across each axis
+    vec3 step; // m, from plane to plane; 0 where the ray does not go along the axis, whose plane is the end
+    float end; // m, where it leaves the box
+    uint most; // cells, at most: a ray crosses each plane once; two more for those that it starts on and ends on
+};
+
+GridWalk grid_walk(DensityGrid grid, vec3 from, vec3 direction, vec2 part) {
+    GridWalk walk;
+    walk.origin = (from + part.x * direction - grid.lower) * grid.cells_per_metre;
+    walk.way = direction * grid.cells_per_metre;
+    walk.end = part.y - part.x;
+    walk.next = vec3(walk.end);
+    walk.step = vec3(0.0);
+    for (uint axis = 0u; axis < 3u; axis++) {
+        float way = walk.way[axis];
+        if (abs(way) < 1e-20) continue;
+        float plane = way > 0.0 ? floor(walk.origin[axis]) + 1.0 : ceil(walk.origin[axis]) - 1.0;
+        walk.next[axis] = (plane - walk.origin[axis]) / way;
+        walk.step[axis] = 1.0 / abs(way);
+    }
+    walk.most = grid.points.x + grid.points.y + grid.points.z + 2u;
+    return walk;
+}
+
+// Where the cell that begins `at` metres on ends.
+float cell_end(GridWalk walk, uint cell, float at) {
+    if (cell + 1u >= walk.most) return walk.end;
+    return max(min(min(walk.next.x, min(walk.next.y, walk.next.z)), walk.end), at);
+}
+
+void leave_cell(inout GridWalk walk, float until) {
+    for (uint axis = 0u; axis < 3u; axis++) {
+        if (walk.next[axis] > until) continue;
+        walk.next[axis] = walk.step[axis] > 0.0 ? walk.next[axis] + walk.step[axis] : walk.end;
+    }
+}
+
 // Walks `stop` metres along a ray of `length` metres, or until `even` is `target`. The ray is cut at the grid's planes;
 // within a cell density is a cubic along it, which Simpson's rule integrates exactly.
 March march(uint medium, vec3 from, vec3 direction, float length, float stop, float target) {
@@ -90,53 +131,66 @@ March march(uint medium, vec3 from, vec3 direction, float length, float stop, fl
     vec2 part = dense_part(medium, from, direction, length);
     if (!(part.x < part.y) || stop < part.x) return nowhere;
     DensityGrid grid = density_grids[index];
-    // From the entry on: a far origin's grid coordinates would cancel.
-    vec3 origin = (from + part.x * direction - grid.lower) * grid.cells_per_metre;
-    vec3 way = direction * grid.cells_per_metre;
-    float end = part.y - part.x;
-    stop = min(stop - part.x, end);
-    // The next plane across each axis, m, and from plane to plane.
-    vec3 next = vec3(end);
-    vec3 step = vec3(0.0);
-    for (uint axis = 0u; axis < 3u; axis++) {
-        if (abs(way[axis]) < 1e-20) continue;
-        float plane = way[axis] > 0.0 ? floor(origin[axis]) + 1.0 : ceil(origin[axis]) - 1.0;
-        next[axis] = (plane - origin[axis]) / way[axis];
-        step[axis] = 1.0 / abs(way[axis]);
-    }
+    GridWalk walk = grid_walk(grid, from, direction, part);
+    stop = min(stop - part.x, walk.end);
     float at = 0.0;
-    float before = density_in(grid, origin);
+    float before = density_in(grid, walk.origin);
     float depth = 0.0;
-    // A ray crosses each plane once; two more for those that it starts on and ends on.
-    uint most = grid.points.x + grid.points.y + grid.points.z + 2u;
-    for (uint cell = 0u; cell < most && at < end; cell++) {
-        float until = cell + 1u < most ? max(min(min(next.x, min(next.y, next.z)), end), at) : end;
-        float middle = density_in(grid, origin + 0.5 * (at + until) * way);
-        float after = density_in(grid, origin + until * way);
+    for (uint cell = 0u; cell < walk.most && at < walk.end; cell++) {
+        float until = cell_end(walk, cell, at);
+        float middle = density_in(grid, walk.origin + 0.5 * (at + until) * walk.way);
+        float after = density_in(grid, walk.origin + until * walk.way);
         float mean = (before + 4.0 * middle + after) / 6.0;
         float gained = (until - at) * mean;
         if (until >= stop || depth + gained >= target) {
             float left = mean > 0.0 ? (target - depth) / mean : ENDLESS;
             float far = clamp(min(stop - at, left), 0.0, until - at);
-            float there = density_in(grid, origin + (at + far) * way);
-            float half_way = density_in(grid, origin + (at + 0.5 * far) * way);
+            float there = density_in(grid, walk.origin + (at + far) * walk.way);
+            float half_way = density_in(grid, walk.origin + (at + 0.5 * far) * walk.way);
             float exact = depth + far * (before + 4.0 * half_way + there) / 6.0;
             return March(part.x + at + far, exact, depth + far * mean, mean, there);
         }
         depth += gained;
         before = after;
         at = until;
-        for (uint axis = 0u; axis < 3u; axis++) {
-            // An axis that the ray does not go along has its plane at the end.
-            if (next[axis] <= until) next[axis] = step[axis] > 0.0 ? next[axis] + step[axis] : end;
-        }
+        leave_cell(walk, until);
     }
     return March(length, depth, depth, 0.0, 0.0);
 }
 
-// Density along a ray, integrated over `length` metres: metres of density 1.
+// Density along a ray, integrated over `length` metres: metres of density 1. EVEN_MEDIA is set where no medium has a grid:
+// drivers compile the walk through it at each place, and software drivers run it, too.
 float density_along(uint medium, vec3 from, vec3 direction, float length) {
-    return march(medium, from, direction, length, length, ENDLESS).depth;
+#ifdef EVEN_MEDIA
+    return length;
+#else
+    uint index = media[medium].grid;
+    if (index == NO_GRID) return length;
+    vec2 part = dense_part(medium, from, direction, length);
+    if (!(part.x < part.y)) return 0.0;
+    DensityGrid grid = density_grids[index];
+    GridWalk walk = grid_walk(grid, from, direction, part);
+    float at = 0.0;
+    float until = 0.0;
+    float before = 0.0;
+    float middle = 0.0;
+    float depth = 0.0;
+    // The start, then a middle and an end by turns: one look-up is all that is compiled.
+    for (uint turn = 0u; turn <= 2u * walk.most && at < walk.end; turn++) {
+        bool halfway = (turn & 1u) != 0u;
+        if (halfway) until = cell_end(walk, turn / 2u, at);
+        float found = density_in(grid, walk.origin + (halfway ? 0.5 * (at + until) : until) * walk.way);
+        if (halfway) {
+            middle = found;
+            continue;
+        }
+        depth += (until - at) * (before + 4.0 * middle + found) / 6.0;
+        before = found;
+        at = until;
+        if (turn > 0u) leave_cell(walk, until);
+    }
+    return depth;
+#endif
 }
 
 // What `length` metres from `from` along the unit vector `direction` leave of light.

@@ -30,7 +30,7 @@ struct BeamSettings {
     float extent;       // of the fluence at its start, below which an edge that meets nothing ends; 0: after `reach`
     uint margin;        // coarse cells by which the lattice is larger than the view, and can move
     uint buffered;      // 1: what the light sees is in the view's texels, which lie on the lattice; 0: it is traced
-    uint padding0;
+    uint corners;  // 3: compilers copy the body of a loop for each turn that they can count
 };
 
 const uint RULE_SURFACE = 1u;

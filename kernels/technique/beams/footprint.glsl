@@ -81,9 +81,9 @@ struct Covered {
     vec3 heights; // y of the edges where they meet the surface's plane
 };
 
-// False where none of the beam's light falls into the pixel.
-bool covers(Beam beam, Footprint f, out Covered covered) {
-    vec2 at[3];
+// Where the edges meet the surface's plane, in pixels from the pixel's middle, and at which y; false where a box round
+// these places keeps clear of the pixel.
+bool meets_pixel(Beam beam, Footprint f, out vec2 at[3], out vec3 heights) {
     for (uint i = 0u; i < 3u; i++) {
         BeamCorner corner = beam.corners[i];
         vec3 from = f.point - corner.origin;
@@ -93,11 +93,17 @@ bool covers(Beam beam, Footprint f, out Covered covered) {
         float y = dot(f.normal, from) / cosine;
         vec3 to = y * corner.way - from;
         at[i] = vec2(dot(to, f.across), dot(to, f.down)) - f.centre;
-        covered.heights[i] = y;
+        heights[i] = y;
     }
     vec2 low = min(at[0], min(at[1], at[2]));
     vec2 high = max(at[0], max(at[1], at[2]));
-    if (any(greaterThan(low, vec2(0.5))) || any(lessThan(high, vec2(-0.5)))) return false;
+    return all(lessThanEqual(low, vec2(0.5))) && all(greaterThanEqual(high, vec2(-0.5)));
+}
+
+// False where none of the beam's light falls into the pixel.
+bool covers(Beam beam, Footprint f, out Covered covered) {
+    vec2 at[3];
+    if (!meets_pixel(beam, f, at, covered.heights)) return false;
     vec2 ab = at[1] - at[0];
     vec2 ac = at[2] - at[0];
     float whole = 0.5 * (ab.x * ac.y - ab.y * ac.x);

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 #include "technique/beams/group_tally.glsl"
 #include "technique/beams/traverse.glsl"
 #include "technique/beams/tile_shaft.glsl"
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
 #include "technique/beams/seen_depths.glsl"
 #endif
 
@@ -83,7 +83,7 @@ void main() {
         // Drawn, where the path comes straight from the camera.
         if (drawn && k == 0u && view_ray.origin == view.position) view_ray.medium = NO_MEDIUM;
         seen = view_ray.medium != NO_MEDIUM ? seen_part(view_ray) : vec2(0.0);
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
         note_depths(view_ray);
 #endif
         uint found_media;

@@ -27,14 +27,14 @@ Section section_along(Beam beam, Crossing c, float t) {
 }
 
 // Optical depth over density 1 and extinction 1: from the light's start to the point, and on to the stretch's origin.
-// DENSITY_GRIDS is set where a medium has one: software drivers run code that no invocation needs, all the same.
-#ifdef DENSITY_GRIDS
+// Software drivers run code that no invocation needs: EVEN_MEDIA leaves it out.
+#ifndef EVEN_MEDIA
 // Who includes this says how much is between the stretch's origin and a point of it: m of density 1.
 float seen_through(Stretch s, float distance);
 #endif
 
 float length_through(Stretch s, float distance, vec3 light, float before) {
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
     vec3 start = s.origin + distance * s.direction - before * light;
     return seen_through(s, distance) + density_along(s.medium, start, light, before);
 #else
@@ -51,7 +51,7 @@ vec3 scattered_at(ShadePush push, Beam beam, Stretch s, Crossing c, float t) {
     vec3 light = section.way / size;
     float before = max(way_since_start(beam, section), 0.0);
     float depth = length_through(s, distance, light, before);
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
     vec3 scattering = scattering_at(beam.medium, s.origin + distance * s.direction);
 #else
     vec3 scattering = media[beam.medium].scattering;
@@ -74,7 +74,7 @@ float step_from(VolumePush how, Beam beam, Crossing c, float from, float end, fl
     float longest = (end - from) / (1.0 + min(floor((fine ? 16.0 : 4.0) * spread), 8.0));
     vec3 lost = extinction(beam.medium);
     longest = min(longest, (fine ? 0.1 : 0.5) / max(max(lost.x, max(lost.y, lost.z)), 1e-20));
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
     uint grid = media[beam.medium].grid;
     if (grid != NO_GRID) {
         vec3 cells = density_grids[grid].cells_per_metre;
@@ -97,20 +97,25 @@ vec3 step_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossin
     Area area = area_round(c, middle);
     float before = max(way_since_start(beam, section_along(beam, c, middle)), 0.0);
     float floor_area = least_area(push, before);
-    // Gauss's two points are good for cubics.
-    float place = how.integral == INTEGRAL_MIDPOINT ? 0.0 : extent * INVERSE_ROOT_3;
+    // Gauss's two points are good for cubics. How many there are is the device's to read, so that a point is compiled once.
+    bool single = how.integral == INTEGRAL_MIDPOINT;
+    float place = single ? 0.0 : extent * INVERSE_ROOT_3;
     vec2 weights = vec2(extent) / max(vec2(area_over(area, -place), area_over(area, place)), floor_area);
     if (how.integral == INTEGRAL_CLOSED) {
         vec2 moments = inverse_moments(area, extent, floor_area);
         weights = 0.5 * (moments.x + vec2(-1.0, 1.0) * moments.y / place);
     }
-    return weights.x * scattered_at(push, beam, s, c, middle - place) +
-           weights.y * scattered_at(push, beam, s, c, middle + place);
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < (single ? 1u : 2u); i++) {
+        float weight = single ? 2.0 * weights.x : weights[i];
+        sum += weight * scattered_at(push, beam, s, c, middle + (i == 0u ? -place : place));
+    }
+    return sum;
 }
 
 // The part of a stretch that can be bright.
 vec2 seen_part(Stretch s) {
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
     if (media[s.medium].grid != NO_GRID) return dense_part(s.medium, s.origin, s.direction, s.extent);
 #endif
     vec3 lost = extinction(s.medium);

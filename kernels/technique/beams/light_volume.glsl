@@ -11,7 +11,7 @@ layout(location = 0) out vec4 light; // W/(m2 sr) at the camera, and 1 to count 
 
 void count(uint what) {}
 
-#ifdef DENSITY_GRIDS
+#ifndef EVEN_MEDIA
 float seen_through(Stretch s, float distance) {
     return density_along(s.medium, s.origin, s.direction, distance);
 }

@@ -73,6 +73,15 @@ float power_contrast(LightView v, ivec2 corners[3]) {
     return most > 0.0 ? (most - least) / most : 0.0;
 }
 
+// Whether no beam is drawn between them however narrow, but for what three rays can miss.
+bool lights_nothing(BeamVertex rays[3]) {
+    for (int i = 0; i < 3; i++) {
+        vec3 scattering = media[rays[i].medium].scattering;
+        if (rays[i].target != NO_INSTANCE || any(greaterThan(scattering, vec3(0.0)))) return false;
+    }
+    return true;
+}
+
 // Whether the triangle, whose last corner is the apex, asks for a split.
 bool asks(uint view_index, ivec2 corners[3], float length2) {
     uint vertices[3];
@@ -93,6 +102,7 @@ bool asks(uint view_index, ivec2 corners[3], float length2) {
             continue;
         }
         BeamVertex rays[3] = BeamVertex[3](beam_vertices[records[0]], beam_vertices[records[1]], beam_vertices[records[2]]);
+        if (lights_nothing(rays)) continue;
         float throughput = mean(rays[0].throughput + rays[1].throughput + rays[2].throughput) / 3.0;
         bool wanted = patterned;
         wanted = wanted || ((settings.rules & RULE_SURFACE) != 0u && breaks(rays));

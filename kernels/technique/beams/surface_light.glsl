@@ -10,7 +10,6 @@ void count(uint what);
 // Whether a beam has a point in it.
 bool holds_point(Beam beam, VisiblePoint point, out Section section) {
     if (beam.medium != point.medium) return false;
-    count(TALLY_TESTS);
     return section_at(beam, point.position, section) && section.y <= beam_range(beam).y;
 }
 

@@ -3,8 +3,9 @@
 
 use super::accumulate::BeamBuffers;
 use super::beam::{Beam, BeamHeader};
+use super::kernels::Kernels;
 use crate::frame::Frame;
-use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Layout, Recorder};
 use crate::light_view::LightViews;
 use crate::random;
 use crate::scene::{Emitter, Scene};
@@ -55,7 +56,7 @@ crate::gpu_struct! {
         pub extent: f32,
         pub margin: u32,
         pub buffered: u32,
-        pub padding0: u32,
+        pub corners: u32,
     }
 }
 
@@ -159,46 +160,6 @@ pub const LAYOUTS: &[Layout] = &[
     CellsPush::LAYOUT,
     BeamScanPush::LAYOUT,
 ];
-
-#[derive(Clone)]
-struct Kernels {
-    corners: Kernel,
-    advance: Kernel,
-    trace: Kernel,
-    split: Kernel,
-    close: Kernel,
-    count_leaves: Kernel,
-    scan: Kernel,
-    size: Kernel,
-    write_leaves: Kernel,
-    cells: Kernel,
-    areas: Kernel,
-    count_beams: Kernel,
-    write_beams: Kernel,
-    ledger: Kernel,
-}
-
-impl Kernels {
-    fn new(context: &Context<'_>) -> Result<Self, GpuError> {
-        let plain = |name: &str| Kernel::new(context.device, &format!("beams/{name}"), "");
-        Ok(Kernels {
-            corners: plain("corners")?,
-            advance: plain("advance")?,
-            trace: Kernel::new(context.device, "beams/trace", context.tracer.backend.variant())?,
-            split: plain("split")?,
-            close: plain("close")?,
-            count_leaves: plain("count_leaves")?,
-            scan: plain("scan")?,
-            size: plain("size")?,
-            write_leaves: plain("write_leaves")?,
-            cells: plain("cells")?,
-            areas: plain("areas")?,
-            count_beams: plain("count_beams")?,
-            write_beams: plain("write_beams")?,
-            ledger: plain("ledger")?,
-        })
-    }
-}
 
 /// Makes sets of beams for one scene and camera.
 pub struct Generator {
@@ -452,7 +413,7 @@ fn numbers(settings: &Settings, context: &Context<'_>, views: u32) -> BeamSettin
         extent: settings.number("extent"),
         margin: jitters(settings).into(),
         buffered: (settings.choice("light") != "rays").into(),
-        padding0: 0,
+        corners: 3,
     }
 }
 

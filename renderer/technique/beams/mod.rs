@@ -4,6 +4,7 @@ pub mod accumulate;
 pub mod beam;
 pub mod generate;
 pub mod inspect;
+mod kernels;
 mod settings;
 
 pub use settings::SETTINGS;

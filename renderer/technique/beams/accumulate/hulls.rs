@@ -2,13 +2,14 @@
 //! camera sees straight, without a specular surface on the way; tiles serve the rest.
 
 use super::options::{Bounds, Options, Tier};
-use super::{BeamBuffers, ShadePush, VolumePush, by_media};
+use super::{BeamBuffers, ShadePush, VolumePush};
 use crate::frame::Frame;
 use crate::gpu::{
     Bindings, Buffer, Capability, Device, GpuError, GpuStruct as _, Kernel, Raster, RasterStages, RasterTargets,
     Recorder,
 };
 use crate::technique::Context;
+use crate::technique::beams::kernels::by_media;
 
 crate::gpu_struct! {
     /// A convex volume round a beam; see `kernels/technique/beams/hull.glsl`.
@@ -94,6 +95,7 @@ impl Hulls {
             let sums = Buffer::new(device, fragment, u64::from(width) * u64::from(rows) * SUM_BYTES)?;
             Ok(Layer { raster: Raster::of_stages(device, &stages, &targets)?, targets, sums })
         };
+        let surface_name = by_media(context, ["beams/light", "beams/light_grids"]);
         let volume_name = by_media(context, ["beams/light_volume", "beams/light_volume_grids"]);
         let hulls = if points { 0 } else { u64::from(beams.capacity) * Hull::LAYOUT.size as u64 };
         let draws = Buffer::new(device, "hull draws", 16)?;
@@ -112,7 +114,7 @@ impl Hulls {
                 .buffer("Hulls", &Buffer::new(device, "hulls", hulls)?)
                 .buffer("HullDraws", &draws),
             draws,
-            surface: (!options.footprints).then(|| layer("beams/light")).transpose()?,
+            surface: (!options.footprints).then(|| layer(surface_name)).transpose()?,
             volume: context.frame.film.has_volume().then(|| layer(volume_name)).transpose()?,
         }))
     }

@@ -11,6 +11,7 @@ pub use options::{Area, Bounds, Integral, Interval, Options, SETTINGS, Shadows, 
 use crate::film::VISIBLE_LAYERS;
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
+use crate::technique::beams::kernels::by_media;
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
@@ -150,7 +151,7 @@ impl Accumulator {
             bindings: bindings.and(boxes.bindings()).and(&drawn),
             boxes,
             tallies,
-            gather: Kernel::new(device, "beams/gather", variant)?,
+            gather: Kernel::new(device, by_media(context, ["beams/gather", "beams/gather_grids"]), variant)?,
             volume,
             tiles: tiles(context.frame, listed),
             listed,
@@ -212,11 +213,6 @@ impl Accumulator {
     pub fn counters(&self) -> Result<Vec<CounterEntry>, GpuError> {
         counters::read(&self.tallies)
     }
-}
-
-/// The second where a medium has a density grid: software drivers pay for its code wherever it is.
-fn by_media(context: &Context<'_>, names: [&'static str; 2]) -> &'static str {
-    names[usize::from(!context.scene.densities.is_empty())]
 }
 
 fn volume_push(options: &Options) -> VolumePush {

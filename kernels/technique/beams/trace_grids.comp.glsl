@@ -1,0 +1,2 @@
+// Media some of which have a density grid.
+#include "technique/beams/follow.glsl"
