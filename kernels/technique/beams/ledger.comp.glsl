@@ -1,6 +1,7 @@
 // Books where the light of each leaf goes, a third of it with each of its corners' rays.
 #include "technique/beams/edges.glsl"
 #include "technique/beams/ledger.glsl"
+#include "technique/beams/ray_area.glsl"
 #include "shared/optics.glsl"
 #include "shared/media.glsl"
 
@@ -39,11 +40,11 @@ void book_start(BeamLeaf leaf, vec3 power) {
         uint vertex = leaf.vertices[i];
         uint record = record_of(vertex, 0u);
         if (record == NO_RECORD) record = record_of(vertex, 1u);
-        if (record == NO_RECORD) {
+        LatticePlace place = lattice_places[vertex];
+        if (record == NO_RECORD || place.hidden != 0u) {
             note(LEDGER_MISSED, power);
             continue;
         }
-        LatticePlace place = lattice_places[vertex];
         LightView v = light_views[place.view];
         BeamVertex ray = beam_vertices[record];
         vec3 way = v.perspective != 0u ? ray.position - v.origin : v.forward * dot(ray.position - v.origin, v.forward);
@@ -63,26 +64,25 @@ void main() {
     if (!is_lit(leaf)) return;
     vec3 power = leaf_flux(leaf) / 3.0;
     book_start(leaf, power);
-    uint complete = 0u; // bit s + 1 for sheet s, which number fewer than 31
     for (uint sheet = 0u; sheet < settings.sheets; sheet++) {
         if (sheet_counts[sheet] == 0u) continue;
-        if (sheet >= 2u && (complete & (2u << ((sheet - 2u) / 2u))) == 0u) continue;
         BeamEdges e = edges_of(leaf, sheet);
-        if (e.drawn) {
-            complete |= 2u << sheet;
-        } else if (any(notEqual(e.records, uvec3(NO_RECORD)))) {
+        if (!e.drawn && any(notEqual(e.records, uvec3(NO_RECORD)))) {
             atomicAdd(tallies[e.complete ? TALLY_WIDE : TALLY_SILHOUETTE], 1u);
         }
         for (int i = 0; i < 3; i++) {
-            if (e.records[i] == NO_RECORD) continue;
+            if (e.records[i] == NO_RECORD || lattice_places[leaf.vertices[i]].hidden != 0u) continue;
             BeamVertex ray = beam_vertices[e.records[i]];
-            if (!e.drawn) {
-                note(e.complete ? LEDGER_CUT : LEDGER_SILHOUETTE, power * ray.throughput);
-                continue;
-            }
-            vec3 left = travel(power * ray.throughput, ray.medium, ray.position, ray.direction, ray.distance);
+            float gain = ray_areas[e.records[i]].gain;
+            vec3 onward = vec3(0.0);
+            if (goes_on(ray.target)) onward = passed_on(power, leaf.vertices[i], 2u * sheet + 2u);
+            // No beam round this ray is drawn on this stretch; those that follow may be.
+            if (gain <= 0.0) note(e.complete ? LEDGER_CUT : LEDGER_SILHOUETTE, power * ray.throughput - onward);
+            // Otherwise, those that are carry the light of those that are not.
+            if (!e.drawn) continue;
+            vec3 left = travel(gain * power * ray.throughput, ray.medium, ray.position, ray.direction, ray.distance);
             if (goes_on(ray.target)) {
-                book_loss(left - passed_on(power, leaf.vertices[i], 2u * sheet + 2u), ray.target);
+                book_loss(left - gain * onward, ray.target);
             } else {
                 note(ray.target == NO_INSTANCE ? LEDGER_ESCAPED : LEDGER_LANDED, left);
             }
