@@ -12,6 +12,10 @@ use crate::{assert_sound, load, render, watts};
 /// What the entries of the ledger may be off in sum: each amount is rounded to a unit, and f32.
 const BALANCE: f64 = 1e-3;
 
+/// What outlines may take: rays round which no beam at all is whole, of a coarse lattice. Light that neighbours do not take
+/// up is three times as much, in waves at a wall.
+const ISOLATED: f64 = 5e-3;
+
 fn turbid(name: &str, index: &str, coefficients: &str) -> Scene {
     let path = Path::new("scenes").join(name);
     let text = std::fs::read_to_string(&path).unwrap();
@@ -40,7 +44,7 @@ pub fn adds_up(request: &Request) {
             &["landed", "absorbed", "scattered"],
         ),
         ("brass", load("cup.toml"), &["landed", "absorbed", "missed"]),
-        ("glass", load("glass_sphere.toml"), &["landed", "missed", "silhouette"]),
+        ("glass", load("glass_sphere.toml"), &["landed", "missed"]),
         ("flooded", load("cornell_flooded.toml"), &["landed"]),
         ("lagoon", load("lagoon.toml"), &["landed"]),
     ];
@@ -51,6 +55,8 @@ pub fn adds_up(request: &Request) {
             s.samples = Some(3);
         });
         assert_balance(what, &picture);
+        let lost = watts(&picture, "silhouette") / watts(&picture, "emitted");
+        assert!(lost < ISOLATED, "{what}: {lost} lost at outlines");
         for entry in there {
             assert!(watts(&picture, entry) > 0.0, "{what}: nothing {entry}");
         }

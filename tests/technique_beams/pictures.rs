@@ -181,8 +181,8 @@ fn from_above(request: &Request) {
         // As if the eye were under the water, and so the lamp.
         let wall = DVec3::new(1.0, -1.0, 1.0) * eye.position + DVec3::new(1.0, -1.0, 1.0) * way * (-8.0 / way.z);
         assert!((0.0..0.5).contains(&wall.y), "{wall} is not on the wall");
-        // Lower down the light comes from where water and wall meet, in beams that lack an edge.
-        if wall.y < 0.25 {
+        // Light of where water and wall meet comes in beams that have an edge behind the wall.
+        if wall.y < 0.02 {
             continue;
         }
         let [lamp, image] = [6.0, -6.0].map(|height| DVec3::new(1.5, height, -1.0) - wall);

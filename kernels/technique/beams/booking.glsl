@@ -1,6 +1,7 @@
 // Books where the light of each leaf goes, a third of it with each of its corners' rays.
 #include "technique/beams/edges.glsl"
 #include "technique/beams/ledger.glsl"
+#include "technique/beams/ray_area.glsl"
 #include "shared/optics.glsl"
 #include "shared/media.glsl"
 
@@ -48,48 +49,52 @@ void main() {
     BeamLeaf leaf = beam_leaves[index];
     if (!is_lit(leaf)) return;
     vec3 power = leaf_flux(leaf) / 3.0;
-    uint complete = 0u; // bit s + 1 for sheet s, which number fewer than 31
     // The first turn is the way to the first surface.
     for (uint turn = 0u; turn <= settings.sheets; turn++) {
         bool start = turn == 0u;
         uint sheet = start ? 0u : turn - 1u;
         if (!start && sheet_counts[sheet] == 0u) continue;
-        if (sheet >= 2u && (complete & (2u << ((sheet - 2u) / 2u))) == 0u) continue;
         BeamEdges e = edges_of(leaf, sheet);
-        if (!start && e.drawn) {
-            complete |= 2u << sheet;
-        } else if (!start && any(notEqual(e.records, uvec3(NO_RECORD)))) {
+        if (!start && !e.drawn && any(notEqual(e.records, uvec3(NO_RECORD)))) {
             atomicAdd(tallies[e.complete ? TALLY_WIDE : TALLY_SILHOUETTE], 1u);
         }
         for (uint i = 0u; i < settings.corners; i++) {
             uint vertex = leaf.vertices[i];
             uint record = e.records[i];
             if (start && record == NO_RECORD) record = record_of(vertex, 1u);
-            if (!start && record == NO_RECORD) continue;
+            bool lit = record != NO_RECORD && lattice_places[vertex].hidden == 0u;
+            if (!start && !lit) continue;
             uint entry = LEDGER_MISSED;
             vec3 flux = power;
-            if (record != NO_RECORD) {
+            if (lit) {
                 BeamVertex ray = beam_vertices[record];
                 uint medium = ray.medium;
                 vec3 from = ray.position;
                 vec3 way = ray.direction;
                 float distance = ray.distance;
                 uint surface = ray.target;
+                float gain = 1.0;
                 if (start) {
                     first_leg(vertex, ray, medium, from, way, distance);
                     surface = ray.source;
                 } else {
                     flux *= ray.throughput;
+                    gain = ray_areas[record].gain;
                 }
+                vec3 onward = vec3(0.0);
+                if (goes_on(surface)) onward = passed_on(power, vertex, start ? 0u : 2u * sheet + 2u);
                 if (start || e.drawn) {
-                    flux = travel(flux, medium, from, way, distance);
+                    flux = travel(gain * flux, medium, from, way, distance) - gain * onward;
                     entry = surface == NO_INSTANCE ? LEDGER_ESCAPED : LEDGER_LANDED;
                     if (goes_on(surface)) {
-                        flux -= passed_on(power, vertex, start ? 0u : 2u * sheet + 2u);
                         bool mirror = materials[instances[surface].material].kind == MATERIAL_MIRROR;
                         entry = mirror ? LEDGER_ABSORBED : LEDGER_CUT;
                     }
                 } else {
+                    // Beams round this ray that are drawn carry the light of those that are not. Where none is on this
+                    // stretch, those that follow may be.
+                    if (gain > 0.0) continue;
+                    flux -= onward;
                     entry = e.complete ? LEDGER_CUT : LEDGER_SILHOUETTE;
                 }
             }

@@ -56,7 +56,7 @@ struct LatticePlace {
     uint view;
     uint column;
     uint row;
-    uint padding0;
+    uint hidden; // 1: something opaque, close before the specular surface, has the light's ray; see trace.comp.glsl
 };
 
 layout(set = 3, binding = 0, std430) readonly buffer BeamSettingsBlock { BeamSettings settings; };

@@ -13,6 +13,12 @@ struct BeamEdges {
 // farther away.
 const float LEAST_COSINE = 0.1;
 
+// Of its rays, those that something opaque close before the specular surface has.
+uint hidden_corners(BeamLeaf leaf) {
+    return lattice_places[leaf.vertices.x].hidden + lattice_places[leaf.vertices.y].hidden +
+           lattice_places[leaf.vertices.z].hidden;
+}
+
 BeamEdges edges_of(BeamLeaf leaf, uint sheet) {
     BeamEdges e = BeamEdges(uvec3(record_of(leaf.vertices.x, sheet), record_of(leaf.vertices.y, sheet),
                                   record_of(leaf.vertices.z, sheet)), vec3(0.0), false, false);
@@ -27,7 +33,7 @@ BeamEdges edges_of(BeamLeaf leaf, uint sheet) {
     vec3 c = beam_vertices[e.records.z].direction;
     vec3 sum = a + b + c;
     e.normal = sum / max(length(sum), 1e-6);
-    e.drawn = e.complete && is_lit(leaf) && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
+    e.drawn = e.complete && hidden_corners(leaf) < 3u && is_lit(leaf) && min(dot(a, e.normal), min(dot(b, e.normal), dot(c, e.normal))) >= LEAST_COSINE;
     return e;
 }
 

@@ -14,16 +14,29 @@ layout(push_constant) uniform JitterPush {
 
 layout(set = 3, binding = 21, std430) readonly buffer LightTexels { LightTexel light_texels[]; };
 
+// Widths of a finest cell by which what is opaque may stand before the specular surface for the ray to go on, hidden: where a
+// wall meets the water, beams need an edge behind the wall. They have all of their light, and points that it does not get to
+// lie behind the wall for shadows' rays.
+const float HIDDEN_CELLS = 4.0;
+
+float hidden_within(LightView v, float distance) {
+    vec2 cell = coarse_cell(v) / float(1u << settings.levels);
+    return HIDDEN_CELLS * max(cell.x, cell.y) * (v.perspective != 0u ? distance : 1.0);
+}
+
 // What the light's own ray meets, as the view's texel at that vertex has it.
-void look_up(LightView v, LatticePlace place, inout BeamVertex ray) {
+bool look_up(LightView v, LatticePlace place, inout BeamVertex ray) {
     uvec2 at = uvec2(place.column, place.row);
     LightTexel specular = light_texels[light_texel_index(v, LIGHT_SPECULAR, at)];
     LightTexel opaque = light_texels[light_texel_index(v, LIGHT_OPAQUE, at)];
-    if (!lit_specular(specular, opaque)) return;
+    bool lit = lit_specular(specular, opaque);
+    if (specular.instance == NO_INSTANCE) return false;
+    if (!lit && specular.depth - opaque.depth > hidden_within(v, opaque.depth)) return false;
     ray.target = specular.instance;
     ray.primitive = specular.primitive;
     ray.barycentrics = packUnorm2x16(specular.barycentrics);
     ray.distance = specular.depth;
+    return !lit;
 }
 
 // What happens to a ray at the surface it has met: its own next ray, as far as it is known before it is traced. False where
@@ -94,12 +107,19 @@ void main() {
         first.throughput = transmittance(first.medium, first.position, -first.direction, FAR_AWAY);
     }
 
-    // The first turn is the light's own ray.
-    for (uint turn = 0u; turn <= settings.sheets; turn++) {
-        uint sheet = turn - 1u;
+    // The first two turns are the light's own ray: to what it meets, and to what is specular close behind that.
+    for (uint turn = 0u; turn <= settings.sheets + 1u; turn++) {
+        uint sheet = turn - 2u;
         BeamVertex next = first;
         vec3 origin = first.position;
-        if (turn > 0u) {
+        float farthest = 1e30;
+        uint mask = MASK_ALL;
+        if (turn == 1u) {
+            if (settings.buffered != 0u || first.target == NO_INSTANCE || goes_on(first.target)) continue;
+            farthest = first.distance + hidden_within(v, first.distance);
+            mask = MASK_SPECULAR;
+        }
+        if (turn > 1u) {
             sheet_records[number * settings.sheets + sheet] = NO_RECORD;
             uint parent = sheet < 2u ? NO_RECORD : record_of(number, (sheet - 2u) / 2u);
             if (sheet >= 2u && parent == NO_RECORD) continue;
@@ -111,16 +131,18 @@ void main() {
             if (!branch(before, arriving, (sheet & 1u) == 0u, next, origin)) continue;
         }
         if (turn == 0u && settings.buffered != 0u) {
-            look_up(v, place, first);
+            if (look_up(v, place, first)) lattice_places[number].hidden = 1u;
             continue;
         }
-        Hit hit = trace_closest(Ray(origin, 0.0, next.direction, 1e30), MASK_ALL);
+        Hit hit = trace_closest(Ray(origin, 0.0, next.direction, farthest), mask);
+        if (turn == 1u && hit.instance == NO_INSTANCE) continue;
         next.target = hit.instance;
         next.primitive = hit.primitive;
         next.barycentrics = packUnorm2x16(hit.barycentrics);
         next.distance = hit.instance == NO_INSTANCE ? settings.reach : hit.t;
-        if (turn == 0u) {
+        if (turn <= 1u) {
             first = next;
+            if (turn == 1u) lattice_places[number].hidden = 1u;
             continue;
         }
         uint record = atomicAdd(state.records, 1u);

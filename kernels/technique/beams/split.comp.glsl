@@ -95,7 +95,10 @@ bool asks(uint view_index, ivec2 corners[3], float length2) {
     for (uint sheet = 0u; sheet < settings.sheets; sheet++) {
         uint records[3] = uint[3](record_of(vertices[0], sheet), record_of(vertices[1], sheet),
                                   record_of(vertices[2], sheet));
-        uint missing = uint(records[0] == NO_RECORD) + uint(records[1] == NO_RECORD) + uint(records[2] == NO_RECORD);
+        uint missing = 0u;
+        for (int i = 0; i < 3; i++) {
+            missing += uint(records[i] == NO_RECORD || lattice_places[vertices[i]].hidden != 0u);
+        }
         if (missing == 3u) continue;
         if (missing > 0u) {
             if ((settings.rules & RULE_SURFACE) != 0u) return true;

@@ -32,15 +32,20 @@ void write_beam(uint at, BeamLeaf leaf, BeamEdges e) {
     BeamVertex c = beam_vertices[e.records.z];
     vec3 centre = (a.position + b.position + c.position) / 3.0;
     float reach = extent(e, a, b, c);
-    beams[at].corners[0] = corner_of(a, ray_areas[e.records.x], centre, e.normal, reach);
-    beams[at].corners[1] = corner_of(b, ray_areas[e.records.y], centre, e.normal, reach);
-    beams[at].corners[2] = corner_of(c, ray_areas[e.records.z], centre, e.normal, reach);
+    RayArea round_a = ray_areas[e.records.x];
+    RayArea round_b = ray_areas[e.records.y];
+    RayArea round_c = ray_areas[e.records.z];
+    beams[at].corners[0] = corner_of(a, round_a, centre, e.normal, reach);
+    beams[at].corners[1] = corner_of(b, round_b, centre, e.normal, reach);
+    beams[at].corners[2] = corner_of(c, round_c, centre, e.normal, reach);
     beams[at].normal = e.normal;
     beams[at].medium = a.medium;
-    beams[at].flux = leaf_flux(leaf) * (a.throughput + b.throughput + c.throughput) / 3.0;
+    vec3 passed = round_a.gain * a.throughput + round_b.gain * b.throughput + round_c.gain * c.throughput;
+    beams[at].flux = leaf_flux(leaf) * passed / 3.0;
     float least = min(a.distance, min(b.distance, c.distance));
     float most = max(a.distance, max(b.distance, c.distance));
-    bool straddles = a.target != b.target || a.target != c.target || most - least > settings.depth * least;
+    bool straddles = a.target != b.target || a.target != c.target || most - least > settings.depth * least ||
+                     hidden_corners(leaf) > 0u;
     beams[at].flags = straddles ? BEAM_STRADDLES : 0u;
 }
 

@@ -80,7 +80,7 @@ crate::gpu_struct! {
         pub view: u32,
         pub column: u32,
         pub row: u32,
-        pub padding0: u32,
+        pub hidden: u32,
     }
 }
 
@@ -114,6 +114,10 @@ crate::gpu_struct! {
     pub struct RayArea {
         pub area: [f32; 3],
         pub flux: f32,
+        pub gain: f32,
+        pub padding0: u32,
+        pub padding1: u32,
+        pub padding2: u32,
     }
 }
 
@@ -176,8 +180,6 @@ pub struct Generator {
     sizes: Buffer,
     settings: BeamSettings,
     jittered: bool,
-    /// Whether corners have areas of their own.
-    smooth_area: bool,
     seed: u32,
 }
 
@@ -258,7 +260,6 @@ impl Generator {
             sizes,
             settings: numbers,
             jittered: jitters(settings),
-            smooth_area: settings.choice("area") == "vertex",
             seed: random::combine(context.seed, 0x6265_616d),
         })
     }
@@ -324,9 +325,7 @@ impl Generator {
         recorder.pass("beams/size")?.dispatch(&kernels.size, &bindings, &(), 1)?;
         let sizes = &self.sizes;
         let [leaves, sheets, rays] = [0, SIZE_BYTES, 2 * SIZE_BYTES];
-        if self.smooth_area {
-            recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
-        }
+        recorder.pass("beams/areas")?.dispatch_indirect(&kernels.areas, &bindings, &(), sizes, rays)?;
         recorder.pass("beams/count_beams")?.dispatch_indirect(&kernels.count_beams, &bindings, &(), sizes, sheets)?;
         let scan = BeamScanPush { blocks: 0, total: 1 };
         recorder.pass("beams/scan")?.dispatch(&kernels.scan, &bindings, &scan, BLOCK)?;
