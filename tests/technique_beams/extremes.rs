@@ -135,6 +135,10 @@ fn grazing(request: &Request) {
 /// such a beam would get is missing. 0.14 % on lavapipe.
 const UNSEEN: f64 = 5e-3;
 
+/// Of the light in clear water, what may get through a tenth of a millimetre: the walls at the waterline are lit, for the
+/// reference too.
+const WATERLINE: f64 = 1e-3;
+
 pub fn media(request: &Request) {
     let text = std::fs::read_to_string("scenes/turbid_pool.toml").unwrap().replace("[256, 256]", "[64, 64]");
     let own = "absorption = [0.1, 0.03, 0.02]\nscattering = [0.06, 0.06, 0.06]";
@@ -161,7 +165,9 @@ pub fn media(request: &Request) {
     assert!((ratio / 10.0 - 1.0).abs() < 1e-3, "ten times as much scatters {ratio} times the light");
     for coefficients in ["absorption = 10000\nscattering = 1", "scattering = 10000", "absorption = 10000"] {
         let thick = picture(coefficients);
-        assert!(sum(&layer(&thick.image, "caustic")) < 1e-6, "{coefficients}: light on the floor");
+        let left = sum(&layer(&thick.image, "caustic"));
+        let part = left / sum(&layer(&clear.image, "caustic"));
+        assert!(part < WATERLINE, "{coefficients}: {part} of the light gets through");
         let taken = watts(&thick, "absorbed") + watts(&thick, "scattered");
         println!("{coefficients}: {taken} W taken, {:?}", thick.stats.ledger);
         assert!(taken > 0.5 * watts(&clear, "landed"), "{coefficients}: {taken} W taken");
