@@ -39,6 +39,7 @@ fn main() -> ExitCode {
         Case { name: "extreme_light_is_finite", needs: &[], disable: "", run: extremes::light },
         Case { name: "extreme_media_are_finite", needs: &[], disable: "", run: extremes::media },
         Case { name: "light_that_looks_elsewhere_is_told", needs: &[], disable: "", run: extremes::elsewhere },
+        Case { name: "beams_without_room_are_coarse", needs: &[], disable: "", run: extremes::room },
     ])
 }
 

@@ -7,7 +7,7 @@ use nephroid::image::LayeredImage;
 use nephroid::scene::{self, Scene};
 
 use crate::common::{Request, layer};
-use crate::{assert_sound, difference, render, sum, watts};
+use crate::{assert_sound, counter, difference, pool, render, sum, watts};
 
 /// A floor of 2 x 2 at y = 0 seen from above, inside of a mirror that `SHAPE` says, whose lamp is 1 m above it.
 const MIRROR: &str = r#"
@@ -188,4 +188,25 @@ pub fn elsewhere(request: &Request) {
         let told = picture.stats.warnings.iter().any(|warning| warning.contains("no light reaches a specular object"));
         assert!(told, "{what}: {:?}", picture.stats.warnings);
     }
+}
+
+/// Light that lands, over what it is where there is room: coarser beams say it less exactly, but all of it.
+const COARSER: f64 = 0.01;
+
+pub fn room(request: &Request) {
+    let set = |vertices| [format!("beams.vertices={vertices}"), "beams.bounces=1".to_string()];
+    let picture = |vertices| {
+        let set = set(vertices);
+        render(request, pool(), &[&set[0], &set[1]], |_| {})
+    };
+    let (roomy, cramped) = (picture(65_536), picture(4096));
+    assert_sound(&roomy);
+    assert!(counter(&cramped, "vertices") < 0.3 * counter(&roomy, "vertices"));
+    let ratio = watts(&cramped, "landed") / watts(&roomy, "landed");
+    assert!((ratio - 1.0).abs() < COARSER, "{ratio} of the light lands");
+    let ratio = sum(&layer(&cramped.image, "caustic")) / sum(&layer(&roomy.image, "caustic"));
+    println!("{ratio} of the light in the picture");
+    assert!((ratio - 1.0).abs() < 10.0 * COARSER, "{ratio} of the light is in the picture");
+    let told = cramped.stats.warnings.iter().any(|warning| warning.contains("no room to be as fine as asked for"));
+    assert!(told, "{:?}", cramped.stats.warnings);
 }

@@ -9,6 +9,7 @@ const uint TALLY_WRONG_SIDE = 2u;       // rays that shading normals bent throug
 const uint TALLY_NON_FINITE = 3u;
 const uint TALLY_SILHOUETTE = 4u;       // beams that lack an edge
 const uint TALLY_WIDE = 5u;             // beams whose edges part by more than can be drawn
+const uint TALLY_REFINEMENTS = 6u;      // halvings of all that asked for it, for which there was no room
 const uint TALLY_COUNT = 8u;
 
 // Entries of the ledger, two words each, behind the tallies.

@@ -2,6 +2,7 @@
 // where either triangle on its edge asks for it. Triangles are judged by their corners' rays alone.
 #include "technique/beams/vertex.glsl"
 #include "technique/beams/stages.glsl"
+#include "technique/beams/ledger.glsl"
 #include "shared/view.glsl"
 
 // Metres from the camera to the nearest point of the beam's central ray.
@@ -128,9 +129,21 @@ bool asks(uint view_index, ivec2 corners[3], float length2) {
     return false;
 }
 
+// Whether there is room for all triangles to be split: coarser beams everywhere are better than none in places. There are
+// twice as many triangles as vertices, about half of them with a beam that lights something.
+bool has_room() {
+    uint vertices = state.waiting;
+    uint records = min(state.records, settings.records);
+    return vertices <= settings.vertices / 2u && records <= settings.records / 2u && records <= settings.beams / 2u;
+}
+
 void main() {
     uint index = linear_index();
     if (index >= settings.views * stage_size()) return;
+    if (!has_room()) {
+        if (index == 0u) atomicAdd(tallies[TALLY_REFINEMENTS], 1u);
+        return;
+    }
     Middle m = candidate(index);
     ivec2 from, to, first, second;
     edge_ends(m, from, to);

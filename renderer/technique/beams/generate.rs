@@ -23,8 +23,15 @@ const LEDGER_UNITS: f32 = 2_147_483_648.0;
 /// Places on the lattice where a vertex can be, at least: rooms are not made larger than that.
 const RECORDS_PER_VERTEX: u32 = 4;
 
-const TALLY_NAMES: [&str; 6] =
-    ["total_reflections", "branches_cut", "rejected_wrong_side", "non_finite", "beams_silhouette", "beams_too_wide"];
+const TALLY_NAMES: [&str; 7] = [
+    "total_reflections",
+    "branches_cut",
+    "rejected_wrong_side",
+    "non_finite",
+    "beams_silhouette",
+    "beams_too_wide",
+    "refinements_dropped",
+];
 /// Words of tallies before the ledger, as in `ledger.glsl`.
 const TALLY_COUNT: usize = 8;
 const LEDGER_NAMES: [&str; 8] =

@@ -110,6 +110,11 @@ impl Technique for Beams {
             self.counters()?.into_iter().filter(|entry| entry.value > 0.0 && entry.name.ends_with("_dropped"));
         let dropped = dropped.map(|entry| {
             let what = entry.name.trim_end_matches("_dropped");
+            if what == "refinements" {
+                return "beams had no room to be as fine as asked for: beams.vertices makes some, as far as the device's \
+                        storage goes"
+                    .to_string();
+            }
             format!("beams had no room for {} {what}; some light may be missing", entry.value)
         });
         let unfiltered = self.unfiltered.then(|| UNFILTERED.to_string());
