@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn the_readme_has_every_setting_with_its_default() {
         let readme = include_str!("../../README.md");
-        for kind in [TechniqueKind::Reference, TechniqueKind::Beams] {
+        for kind in [TechniqueKind::Reference, TechniqueKind::Beams, TechniqueKind::Photons] {
             let heading = format!("### Settings of `{}`", kind.name());
             let section = readme.split(&heading).nth(1).and_then(|rest| rest.split("\n#").next()).unwrap();
             let rows: Vec<Vec<&str>> = section.lines().map(|line| line.split('|').map(str::trim).collect()).collect();
