@@ -1,7 +1,7 @@
 """Meshes of the zero surfaces of fields that are negative inside and have a gradient near 1.
 
-The surface is found by surface nets (Gibson 1998) on a regular grid of which only what is near the surface is looked at, with
-a vertex for each sheet in a cell (Nielson 2004); vertices are then moved onto the surface.
+The surface is found by surface nets (Gibson 1998) on a regular grid of which only what is near the surface is looked at,
+with a vertex for each sheet in a cell (Nielson 2004); vertices are then moved onto the surface.
 """
 import math
 
@@ -180,10 +180,10 @@ def welded(rows, triangles):
 
 
 def closed_mesh(field, lower, upper, cells):
-    """The surface as rows of an OBJ file and triangles of their numbers from 0, and how many cells along the longest side it
-    took: `cells`, or fewer.
+    """The surface as rows of an OBJ file, triangles of the rows' numbers from 0, and how many cells along the longest side
+    it took: `cells`, or fewer.
     """
-    # Where two sheets touch twice in neighbouring cells, four triangles meet in an edge: rare, and gone on another grid.
+    # Where two sheets touch twice in neighbouring cells, four triangles meet in an edge: rare, gone on another grid.
     vertices, triangles = mesh(field, lower, upper, cells)
     while not is_closed(triangles):
         cells -= 1
