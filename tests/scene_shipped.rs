@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nephroid::scene::adjacency::Adjacency;
 use nephroid::scene::animation::WaterMotion;
-use nephroid::scene::{Emitter, Instance, Scene, Surface, load};
+use nephroid::scene::{Emitter, Instance, Scene, Surface, load, parse};
 
 const SHIPPED: [&str; 12] = [
     "flat_water",
@@ -253,4 +253,17 @@ fn the_halls_statue_is_closed_and_its_curtains_end_where_the_water_begins() {
     let heights: Vec<f64> = hems.map(lowest).collect();
     let water = scene.animation.waters[0].field.base;
     assert!(heights.len() == 2 && heights.iter().all(|height| (height - water).abs() < WRITTEN), "{heights:?}");
+}
+
+#[test]
+fn the_readmes_example_of_a_flooded_model_is_a_scene() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    let (_, rest) = readme.split_once("```toml\n").unwrap();
+    let (example, _) = rest.split_once("```").unwrap();
+    assert!(example.contains("\"sponza/sponza.obj\""));
+    // The hall stands in for the model, which is not shipped.
+    let example = example.replace("sponza/sponza.obj", "hall/room.obj");
+    let scene = parse(&example, &folder.join("example.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert!(scene.warnings.is_empty() && scene.animation.moves(), "{:?}", scene.warnings);
 }
