@@ -133,6 +133,10 @@ fn each_broken_mtl_has_its_sentence() {
             "newmtl paint\nmap_Kd no.png\n",
             "thing.mtl:1: `map_Kd` refers to no.png, which cannot be read: there is no such file",
         ),
+        (
+            "newmtl paint\nmap_Kd folder\\no.png\n",
+            "thing.mtl:1: `map_Kd` refers to folder/no.png, which cannot be read: there is no such file",
+        ),
     ];
     for (mtl, expected) in cases {
         let folder = Folder::with(&[("thing.obj", &obj), ("thing.mtl", mtl)]);

@@ -111,7 +111,8 @@ fn diffuse(entry: &Entry, scene: &mut Scene) -> Result<Surface, String> {
     if map.starts_with('-') {
         return Err(format!("`map_Kd` is \"{map}\"; allowed: the name of a PNG or JPEG file, without options"));
     }
-    let file = entry.file.parent().unwrap_or(Path::new("")).join(map);
+    // Files written on Windows, the public Sponza's among them, have folders\files.
+    let file = entry.file.parent().unwrap_or(Path::new("")).join(map.replace('\\', "/"));
     let texture = texture::open(&file, &mut scene.textures)
         .map_err(|problem| format!("`map_Kd` refers to {}, which {problem}", file.display()))?;
     Ok(Surface::Diffuse { albedo, texture: Some(texture) })
