@@ -9,7 +9,7 @@ use crate::Options;
 use crate::run::{Run, Split, items, name_of, scenes, settings};
 
 const SIZE: (u32, u32) = (1920, 1080);
-/// Of each run, after the one that makes pipelines; times are means over them.
+/// Of each run, after the one that makes pipelines: times of passes are means over them, seconds those of the quickest.
 const SAMPLES: u32 = 2;
 
 #[derive(Debug, Clone, serde::Serialize)]
