@@ -165,9 +165,14 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "adaptive_samples_keep_the_light",
     "beams_through_waves_are_the_truth",
     "each_rule_splits",
+    "even_light_is_flat_at_every_tilt",
     "extreme_media_are_finite",
     "path_classes_part_the_light_in_volumes",
+    "photons_are_accounted_for",
+    "photons_at_odd_settings_are_sound",
+    "single_specular_light_is_the_reference",
     "smoke_scatters_as_quadrature_says",
+    "ways_to_see_agree",
 ];
 
 fn trial(case: &'static Case, info: &DeviceInfo) -> Trial {

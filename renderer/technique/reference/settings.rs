@@ -63,6 +63,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "paths",
         kind: SettingKind::Choice(&[
             "all",
+            "once",
             "refracted",
             "refracted-once",
             "not-refracted-once",
@@ -72,7 +73,7 @@ pub const SETTINGS: &[Setting] = &[
         ]),
         default: "all",
         unit: "",
-        help: "Which S+ of L S+ D and L S+ V counts: any, refractions only, one refraction, and so on",
+        help: "Which S+ of L S+ D and L S+ V counts: any, one event, refractions only, one refraction, and so on",
     },
 ];
 
@@ -82,6 +83,7 @@ pub const ALL_CLASSES: u32 = 31;
 /// The bits of `path_class` in `emit.comp.glsl`.
 pub fn class_bits(paths: &str) -> u32 {
     match paths {
+        "once" => 1 | 4,
         "refracted-once" => 1,
         "refracted" => 1 | 2,
         "not-refracted-once" => ALL_CLASSES & !1,
