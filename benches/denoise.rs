@@ -24,6 +24,8 @@ const SHOWN: [u32; 4] = [1, 8, 16, 32];
 /// Of the frames, the part before which they are not counted in the variance.
 const WARM_UP: u32 = 2;
 const TRUTH_SEED: u32 = 99;
+/// Of a set of the truth, over those of a run.
+const TRUTH_PHOTONS: u32 = 10;
 
 struct Options {
     scene: PathBuf,
@@ -104,7 +106,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn renderer(options: &Options, run: &str, seed: u32) -> Result<Renderer, Box<dyn Error>> {
-    let mut set = vec![format!("photons.photons={}", options.photons), "photons.rescue=rays".to_string()];
+    let photons = options.photons * if seed == TRUTH_SEED { TRUTH_PHOTONS } else { 1 };
+    let mut set = vec![format!("photons.photons={photons}"), "photons.rescue=rays".to_string()];
     set.extend(run.split('+').filter(|item| !item.is_empty()).map(|item| format!("photons.{item}")));
     let samples = if seed == TRUTH_SEED { options.truth } else { 1 };
     let settings = RenderSettings { samples: Some(samples), seed, set, ..options.settings.clone() };
@@ -149,7 +152,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
         layer: "refracted".to_string(),
         frames: 32,
         photons: 100_000,
-        truth: 128,
+        truth: 64,
         moving: false,
         pictures: None,
         runs: ["", "denoise=spatial", "denoise=temporal", "denoise=temporal+history=fixed"].map(String::from).to_vec(),

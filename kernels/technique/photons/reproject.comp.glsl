@@ -52,8 +52,8 @@ void main() {
             vec2 texel = low + corner;
             vec2 share = mix(1.0 - part, part, corner);
             float weight = share.x * share.y;
-            bool inside = all(greaterThanEqual(texel, vec2(0.0))) && all(lessThan(texel, vec2(before.columns, before.rows)));
-            if (!inside || weight <= 0.0) continue;
+            bool outside = any(lessThan(texel, vec2(0.0))) || any(greaterThanEqual(texel, vec2(before.columns, before.rows)));
+            if (outside || weight <= 0.0) continue;
             uvec2 t = uvec2(texel);
             uint from = t.y * before.columns + t.x;
             CameraTexel was = texels_before[from];

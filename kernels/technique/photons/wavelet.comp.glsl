@@ -40,7 +40,8 @@ void main() {
             vec2 theirs_guide = filter_guides[tap];
             // As in the paper where both deviate alike.
             float deviation = sqrt(0.5 * (guide.x * guide.x + theirs_guide.x * theirs_guide.x));
-            float stop = push.sigma > 0.0 ? exp(-abs(theirs_guide.y - guide.y) / max(push.sigma * deviation, 1e-30)) : 0.0;
+            float stop = exp(-abs(theirs_guide.y - guide.y) / max(push.sigma * deviation, 1e-30));
+            if (push.sigma <= 0.0) stop = 0.0;
             float weight = spline(step.x) * spline(step.y) * stop * alike(here, shown_at(v, other, uvec2(at)));
             // Of the flux that the smaller of both has.
             float theirs_area = texel_area(v, other, chart_of(v, uvec2(at)));
