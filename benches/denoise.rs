@@ -115,7 +115,8 @@ fn renderer(options: &Options, run: &str, seed: u32) -> Result<Renderer, Box<dyn
 }
 
 fn go_to(options: &Options, renderer: &mut Renderer, frame: u32) -> Result<(), Box<dyn Error>> {
-    Ok(if options.moving { renderer.go_to(frame)? } else { renderer.restart()? })
+    let gone = if options.moving { renderer.go_to(frame) } else { renderer.restart() };
+    Ok(gone?)
 }
 
 /// Channels, pixel by pixel.

@@ -125,7 +125,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting {
         key: "alpha",
         kind: SettingKind::Number { min: 0.0, max: 1.0 },
-        default: "0.05",
+        default: "0.2",
         unit: "",
         help: "With denoise=temporal, least share of a new set; shorter histories are plain means, and 0 makes all of them so",
     },
