@@ -63,7 +63,8 @@ impl TechniqueKind {
         match self {
             TechniqueKind::None | TechniqueKind::Reference => false,
             TechniqueKind::Mnee => settings.choice("rest") == "off",
-            TechniqueKind::Beams | TechniqueKind::Photons => true,
+            TechniqueKind::Beams => true,
+            TechniqueKind::Photons => settings.choice("denoise") != photons::DENOISE_TEMPORAL,
         }
     }
 

@@ -9,10 +9,6 @@ layout(push_constant) uniform IrradiancePush {
     uint padding0;
 } push;
 
-// Cosine to the surface below which its area is taken for what it is there: nearer to the horizon a texel covers more than
-// its middle can say.
-const float GRAZING = 0.02;
-
 void main() {
     LightView v = light_views[push.camera];
     uint index = linear_index();
@@ -23,12 +19,12 @@ void main() {
     vec3 irradiance = vec3(0.0);
     if (seen.instance != NO_INSTANCE) {
         vec2 at = chart_of(v, uvec2(index % v.columns, index / v.columns));
-        vec3 way = v.forward + at.x * v.right + at.y * v.up;
-        vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
-        float cosine = max(abs(dot(unpack_direction(seen.geometric), way)), GRAZING * length(way));
-        // With way = v d / z this is A_plane (z / d) / |v.n|.
-        float area = step.x * step.y * seen.depth * seen.depth / cosine;
-        if (push.printed_area != 0u) area = step.x * step.y * seen.depth * seen.depth * dot(way, way);
+        float area = texel_area(v, seen, at);
+        if (push.printed_area != 0u) {
+            vec3 way = v.forward + at.x * v.right + at.y * v.up;
+            vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
+            area = step.x * step.y * seen.depth * seen.depth * dot(way, way);
+        }
         irradiance = units * (push.flux_unit / area);
     }
     photon_irradiance[index] = vec4(irradiance, 0.0);

@@ -45,6 +45,19 @@ uint texel_showing(LightView v, uint camera, vec3 position, float slack, out vec
     return shown ? t.y * v.columns + t.x : NO_TEXEL;
 }
 
+// Cosine to the surface below which its area is taken for what it is there: nearer to the horizon a texel covers more than
+// its middle can say.
+const float GRAZING = 0.02;
+
+// Of surface that a texel covers, m2 (erratum 12); `at`: its middle's chart coordinates.
+float texel_area(LightView v, CameraTexel seen, vec2 at) {
+    vec3 way = v.forward + at.x * v.right + at.y * v.up;
+    vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
+    float cosine = max(abs(dot(unpack_direction(seen.geometric), way)), GRAZING * length(way));
+    // With way = v d / z this is A_plane (z / d) / |v.n|.
+    return step.x * step.y * seen.depth * seen.depth / cosine;
+}
+
 uvec3 units_of(vec3 flux, float unit) {
     return uvec3(clamp(flux / unit + 0.5, vec3(0.0), vec3(4.0e9)));
 }

@@ -1,18 +1,21 @@
 //! Cascaded image-space photon tracing (Meenrattanakorn and Lambers 2023): photons are followed over what the lights see
 //! and over what the camera sees, with no ray traced.
 
+pub mod denoise;
 mod ledger;
 mod settings;
 mod shares;
 mod spaces;
 
-pub use settings::SETTINGS;
+pub use settings::{DENOISE_TEMPORAL, SETTINGS};
 
 use super::{Context, CounterEntry, LedgerEntry, Settings, Technique};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use crate::random;
+use denoise::{DenoiseOptions, Denoiser, Receivers};
 use shares::{Power, Share};
+pub use spaces::CameraTexel;
 use spaces::{SpaceOptions, Spaces};
 
 crate::gpu_struct! {
@@ -101,6 +104,7 @@ pub const LAYOUTS: &[Layout] = &[
     spaces::SeePush::LAYOUT,
     spaces::PyramidPush::LAYOUT,
     spaces::CameraPush::LAYOUT,
+    denoise::DenoisePush::LAYOUT,
 ];
 
 /// Units of the integer sums in all light of a set: a photon of a million has a thousand, and the largest sum is a quarter
@@ -139,6 +143,9 @@ pub struct Photons {
     cubes: Buffer,
     emission: EmissionPush,
     trace: TracePush,
+    denoiser: Option<Denoiser>,
+    /// Sets that the denoiser's history had when this began.
+    first_set: u32,
     /// Whether the image spaces have been found since the scene or the camera changed.
     found: bool,
     reuse: u32,
@@ -146,6 +153,11 @@ pub struct Photons {
 
 impl Photons {
     pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, GpuError> {
+        Self::after(settings, context, None)
+    }
+
+    /// With the history that a denoiser has from before.
+    fn after(settings: &Settings, context: &Context<'_>, before: Option<Denoiser>) -> Result<Self, GpuError> {
         let device = context.device;
         let options = SpaceOptions {
             resolution: settings.integer("resolution"),
@@ -202,17 +214,26 @@ impl Photons {
         let flux = Buffer::zeroed(device, "photons flux", 12 * texels)?;
         let cubes = Buffer::new(device, "photons cubes", CUBE_BYTES * u64::from(cubes))?;
         let records = Buffer::new(device, "photons records", size_of::<PhotonRecord>() as u64 * u64::from(photons))?;
+        let irradiance = Buffer::new(device, "photons irradiance", 16 * texels)?;
         let bindings = spaces
             .bindings
             .clone()
             .buffer("PhotonFlux", &flux)
-            .buffer("PhotonIrradiance", &Buffer::new(device, "photons irradiance", 16 * texels)?)
+            .buffer("PhotonIrradiance", &irradiance)
             .buffer("PhotonCubes", &cubes)
             .buffer("Ledger", &ledger)
             .buffer("PhotonTallies", &tallies)
             .buffer("Shares", &Buffer::from_slice(device, "photons shares", &shares)?)
             .buffer("PhotonOrder", &Buffer::from_slice(device, "photons order", &order)?)
             .buffer("PhotonRecords", &records);
+        let denoiser = match (before, DenoiseOptions::of(settings)) {
+            (Some(denoiser), _) => Some(denoiser.follow(device, receivers(&spaces, &bindings, &irradiance, context))?),
+            (None, Some(options)) => {
+                Some(Denoiser::new(device, options, receivers(&spaces, &bindings, &irradiance, context))?)
+            }
+            (None, None) => None,
+        };
+        let first_set = denoiser.as_ref().map_or(0, Denoiser::sets);
         let variant = context.tracer.backend.variant();
         let kernels = Kernels {
             emit: Kernel::new(device, "photons/emit", "")?,
@@ -232,13 +253,15 @@ impl Photons {
             cubes,
             emission,
             trace,
+            denoiser,
+            first_set,
             found: false,
             reuse: settings.integer("reuse"),
         })
     }
 
     /// Records a set of photons, from lights to irradiance.
-    fn record_set(&self, frame: &Frame, recorder: &mut Recorder, set: u32) -> Result<StorePush, GpuError> {
+    fn record_set(&mut self, frame: &Frame, recorder: &mut Recorder, set: u32) -> Result<StorePush, GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
         let store = StorePush { seed: random::combine(self.emission.seed, set), ..self.trace.store };
         let emission = EmissionPush { set, ..self.emission };
@@ -265,13 +288,33 @@ impl Photons {
         let push = IrradiancePush { camera: store.camera, flux_unit: store.flux_unit, printed_area, padding0: 0 };
         let texels = self.spaces.camera_texels();
         recorder.pass("photons/irradiance")?.dispatch(&self.kernels.irradiance, &bindings, &push, texels)?;
+        if let Some(denoiser) = &mut self.denoiser {
+            denoiser.record(recorder, &frame.bindings)?;
+        }
         Ok(store)
+    }
+}
+
+/// What the camera sees light land on.
+fn receivers<'a>(
+    spaces: &'a Spaces,
+    bindings: &'a Bindings,
+    irradiance: &'a Buffer,
+    context: &Context<'_>,
+) -> Receivers<'a> {
+    Receivers {
+        bindings,
+        texels: &spaces.texels,
+        irradiance,
+        camera: spaces.camera(),
+        view: spaces.views[spaces.camera() as usize],
+        transforms: context.scene.instances.iter().map(|instance| instance.transform).collect(),
     }
 }
 
 impl Technique for Photons {
     fn restart(&mut self, context: &Context<'_>) -> Result<(), GpuError> {
-        *self = Photons::new(&self.settings, context)?;
+        *self = Photons::after(&self.settings, context, self.denoiser.take())?;
         Ok(())
     }
 
@@ -281,7 +324,7 @@ impl Technique for Photons {
                 self.spaces.record(recorder, &frame.bindings)?;
                 self.found = true;
             }
-            let set = index / self.reuse;
+            let set = self.first_set.wrapping_add(index / self.reuse);
             let mut store = StorePush { seed: random::combine(self.emission.seed, set), ..self.trace.store };
             if index.is_multiple_of(self.reuse) {
                 store = self.record_set(frame, recorder, set)?;
@@ -306,7 +349,9 @@ impl Technique for Photons {
     }
 
     fn second_half(&self, samples: u32) -> Option<u32> {
-        (self.trace.photons > 0).then_some(samples / 2)
+        // Samples that share a history are no two halves.
+        let apart = self.settings.choice("denoise") != DENOISE_TEMPORAL;
+        (self.trace.photons > 0 && apart).then_some(samples / 2)
     }
 
     fn warnings(&self) -> Result<Vec<String>, GpuError> {

@@ -105,4 +105,68 @@ pub const SETTINGS: &[Setting] = &[
         unit: "pixels",
         help: "Least side of the cubes in space that hold the light of places which the camera's view does not show",
     },
+    Setting {
+        key: "denoise",
+        kind: SettingKind::Choice(&[DENOISE_OFF, "spatial", DENOISE_TEMPORAL]),
+        default: DENOISE_OFF,
+        unit: "",
+        help: "How irradiance is filtered. off: not at all; the mean of many samples has no blur, which is right for still \
+               pictures. spatial: each set by itself. temporal: after it is added to what sets before it found, of frames \
+               before too, for a viewer and for animations of a sample or a few a frame; a frame then depends on those \
+               that were shown before it",
+    },
+    Setting {
+        key: "history",
+        kind: SettingKind::Choice(&["adaptive", "fixed"]),
+        default: "adaptive",
+        unit: "",
+        help: "With denoise=temporal, whether the history is shortened where a set differs from it",
+    },
+    Setting {
+        key: "alpha",
+        kind: SettingKind::Number { min: 0.0, max: 1.0 },
+        default: "0.2",
+        unit: "",
+        help: "With denoise=temporal, least share of a new set; shorter histories are plain means, and 0 makes all of them so",
+    },
+    Setting {
+        key: "change",
+        kind: SettingKind::Number { min: 0.5, max: 1000.0 },
+        default: "2.5",
+        unit: "deviations",
+        help: "With history=adaptive, standard deviations from which on a difference shortens the history; at half as \
+               many again nothing is left of it",
+    },
+    Setting {
+        key: "levels",
+        kind: SettingKind::Integer { min: 1, max: 8 },
+        default: "5",
+        unit: "",
+        help: "With denoise, levels of the wavelet, each twice as wide as the one before",
+    },
+    Setting {
+        key: "sigma",
+        kind: SettingKind::Number { min: 0.0, max: 1000.0 },
+        default: "4",
+        unit: "deviations",
+        help: "With denoise, how far the wavelet reaches over differences of light, in standard deviations; 0: no light is \
+               filtered in space",
+    },
+    Setting {
+        key: "normals",
+        kind: SettingKind::Number { min: 0.0, max: 1000.0 },
+        default: "128",
+        unit: "",
+        help: "With denoise, power of the cosine between normals that light is filtered across",
+    },
+    Setting {
+        key: "planes",
+        kind: SettingKind::Number { min: 0.01, max: 1000.0 },
+        default: "1",
+        unit: "pixels",
+        help: "With denoise, how far off each other's plane places can be that light is filtered between",
+    },
 ];
+
+pub(super) const DENOISE_OFF: &str = "off";
+pub const DENOISE_TEMPORAL: &str = "temporal";

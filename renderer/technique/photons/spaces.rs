@@ -60,6 +60,8 @@ pub struct Spaces {
     /// Those of lights, then the camera's.
     pub views: Vec<LightView>,
     pub bindings: Bindings,
+    /// The block `CameraTexels`.
+    pub texels: Buffer,
     lights: Option<Finder>,
     camera: Option<Finder>,
     /// Bound where rays find everything.
@@ -187,15 +189,17 @@ impl Spaces {
         };
         let camera_finder = Finder::new(context, "photons camera ids", camera[0].columns, camera[0].rows)?;
         let variant = context.tracer.backend.variant();
+        let camera_texels = Buffer::new(device, "photons camera texels", CAMERA_BYTES * texels(camera))?;
         let bindings = Bindings::new()
             .buffer("LightViews", &Buffer::from_slice(device, "photons views", &views)?)
             .buffer("OpaqueIds", &Buffer::new(device, "photons opaque ids", 8 * texels(&views))?)
             .buffer("SpecularIds", &Buffer::new(device, "photons specular ids", 8 * texels(lights))?)
             .buffer("DepthSlabs", &Buffer::new(device, "photons depth slabs", 8 * slabs)?)
             .buffer("DepthLevels", &Buffer::from_slice(device, "photons depth levels", &levels)?)
-            .buffer("CameraTexels", &Buffer::new(device, "photons camera texels", CAMERA_BYTES * texels(camera))?);
+            .buffer("CameraTexels", &camera_texels);
         Ok(Spaces {
             bindings,
+            texels: camera_texels,
             lights: light_finder,
             camera: camera_finder,
             no_ids: Buffer::new(device, "photons no ids", 0)?,
