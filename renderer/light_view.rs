@@ -1,16 +1,16 @@
 //! What lights see of the scene: for each light frusta or boxes round the specular objects, and over each a lattice of
 //! texels in two layers, what is specular and what is not. Techniques start their light from there.
 
+mod ids;
 #[cfg(test)]
 mod tests;
 mod views;
 
-use crate::gpu::{
-    Bindings, Buffer, Capability, Device, GpuError, GpuStruct, Kernel, Layout, Raster, RasterTargets, Recorder,
-};
+use crate::gpu::{Bindings, Buffer, Device, GpuError, GpuStruct, Kernel, Layout, Recorder};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 
+pub(crate) use ids::IdRaster;
 pub use views::light_views;
 
 crate::gpu_struct! {
@@ -93,17 +93,11 @@ pub struct LightViews {
     resolution: u32,
     bindings: Bindings,
     texels: Buffer,
-    raster: Option<RasterTier>,
+    /// Of one view, both layers.
+    raster: Option<IdRaster>,
     /// Each instance's number and vertices to draw, of what is specular and of what is not.
     draws: [Vec<(u32, u32)>; LAYERS],
     resolve: Kernel,
-}
-
-struct RasterTier {
-    raster: Raster,
-    targets: RasterTargets,
-    /// Of one view, both layers.
-    ids: Buffer,
 }
 
 impl LightViews {
@@ -119,16 +113,17 @@ impl LightViews {
         tier: LightViewTier,
     ) -> Result<Self, GpuError> {
         let resolution = resolution.max(2);
-        let possible = device.has(Capability::PreciseRaster) && resolution <= device.info.limits.target_side;
+        let possible = IdRaster::is_possible(device, resolution, resolution);
         if tier == LightViewTier::Raster && !possible {
             return Err(GpuError::Unsuitable {
                 device: device.info.name.clone(),
                 reason: format!("it cannot draw what lights see at {resolution} x {resolution} texels precisely"),
             });
         }
+        let draw = || IdRaster::new(device, "light visibility", resolution, resolution, LAYERS as u64);
         let raster = match tier {
             LightViewTier::Rays => None,
-            _ => possible.then(|| RasterTier::new(device, resolution)).transpose()?,
+            _ => possible.then(draw).transpose()?,
         };
         let mut made = LightViews {
             views: Vec::new(),
@@ -183,22 +178,15 @@ impl LightViews {
     pub fn record(&self, recorder: &mut Recorder, bindings: &Bindings) -> Result<(), GpuError> {
         let all = [bindings, &self.bindings];
         for index in 0..self.views.len() as u32 {
-            let push = |instance| LightViewPush {
-                view: index,
-                instance,
-                rastered: u32::from(self.raster.is_some()),
-                padding0: 0,
-            };
-            if let Some(RasterTier { raster, targets, ids }) = &self.raster {
+            let rastered = u32::from(self.raster.is_some());
+            let push = LightViewPush { view: index, instance: 0, rastered, padding0: 0 };
+            if let Some(raster) = &self.raster {
                 for (layer, draws) in (0u64..).zip(&self.draws) {
-                    let items: Vec<_> = draws.iter().map(|&(instance, vertices)| (push(instance), vertices)).collect();
-                    recorder.pass("light/visibility")?.draw(raster, targets, &all, &items)?;
-                    let offset = layer * ids.size() / LAYERS as u64;
-                    recorder.pass("light/visibility-copy")?.copy_image(&targets.color, ids, offset);
+                    raster.record(recorder, "light", &all, (index, layer), draws)?;
                 }
             }
             let name = if self.raster.is_some() { "light/resolve" } else { "light/cast" };
-            recorder.pass(name)?.dispatch(&self.resolve, &all, &push(0), self.texels_of_a_view() as u32)?;
+            recorder.pass(name)?.dispatch(&self.resolve, &all, &push, self.texels_of_a_view() as u32)?;
         }
         Ok(())
     }
@@ -206,14 +194,6 @@ impl LightViews {
     /// The texels, for tests and pictures of them: those of all views, as [`LightView`] tells.
     pub fn read(&self) -> Result<Vec<LightTexel>, GpuError> {
         self.texels.read(self.texels_of_a_view() * self.views.len())
-    }
-}
-
-impl RasterTier {
-    fn new(device: &Device, resolution: u32) -> Result<Self, GpuError> {
-        let targets = RasterTargets::ids(device, "light visibility", resolution, resolution)?;
-        let ids = Buffer::new(device, "light ids", LAYERS as u64 * u64::from(resolution).pow(2) * 8)?;
-        Ok(RasterTier { raster: Raster::new(device, "light/visibility", &targets)?, targets, ids })
     }
 }
 

@@ -1,9 +1,7 @@
 // What a light sees at each point of its lattice, one invocation a texel of both layers: from the ids that
 // light/visibility drew, or by rays alone.
 #include "shared/index.glsl"
-#include "shared/light_view.glsl"
-#include "shared/meets.glsl"
-#include "trace/interface.glsl"
+#include "light/seen.glsl"
 
 layout(set = 3, binding = 0, std430) readonly buffer LightViews { LightView light_views[]; };
 layout(set = 3, binding = 1, std430) writeonly buffer LightTexels { LightTexel light_texels[]; };
@@ -26,28 +24,16 @@ void main() {
     vec3 origin, direction;
     light_ray(v, at, origin, direction);
 
-    uint instance = NO_INSTANCE;
-    uint primitive = 0u;
-    vec2 barycentrics = vec2(0.0);
-    bool known = false;
-    if (push.rastered != 0u) {
-        uvec2 ids = light_ids[index];
-        instance = ids.x - 1u; // wraps to NO_INSTANCE
-        primitive = ids.y;
-        known = instance == NO_INSTANCE || meets(instance, primitive, origin, direction, barycentrics);
-    }
-    if (!known) {
-        Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), layer == LIGHT_SPECULAR ? MASK_SPECULAR : MASK_DIFFUSE);
-        instance = hit.instance;
-        primitive = hit.primitive;
-        barycentrics = hit.barycentrics;
-    }
+    bool rastered = push.rastered != 0u;
+    uvec2 drawn = uvec2(0u);
+    if (rastered) drawn = light_ids[index];
+    Seen seen = first_seen(rastered, drawn, layer, origin, direction);
     LightTexel texel = LightTexel(vec3(0.0), 0.0, 0u, 0u, 0u, NO_INSTANCE, vec2(0.0), 0u, 0u);
-    if (instance != NO_INSTANCE) {
-        Surface s = surface_at(instance, primitive, barycentrics);
+    if (seen.instance != NO_INSTANCE) {
+        Surface s = surface_at(seen.instance, seen.primitive, seen.barycentrics);
         float depth = dot(s.position - origin, direction);
-        texel = LightTexel(s.position, depth, pack_direction(s.shading), pack_direction(s.geometric), s.material, instance,
-                           barycentrics, primitive, 0u);
+        texel = LightTexel(s.position, depth, pack_direction(s.shading), pack_direction(s.geometric), s.material,
+                           seen.instance, seen.barycentrics, seen.primitive, 0u);
     }
     light_texels[v.first_texel + index] = texel;
 }

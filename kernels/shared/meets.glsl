@@ -7,11 +7,11 @@ const float MAX_OUTSIDE = 1e-4;
 
 // Barycentrics of the point where the ray meets the triangle's plane. False where it passes outside.
 bool meets(uint instance_id, uint primitive, vec3 origin, vec3 direction, out vec2 barycentrics) {
-    Instance instance = instances[instance_id];
-    uvec3 corner = triangle_vertices(instance, primitive);
-    vec3 a = transform_point(instance.to_world, vertices[corner.x].position) - origin;
-    vec3 b = transform_point(instance.to_world, vertices[corner.y].position) - origin;
-    vec3 c = transform_point(instance.to_world, vertices[corner.z].position) - origin;
+    vec3 a, b, c;
+    triangle_corners(instance_id, primitive, a, b, c);
+    a -= origin;
+    b -= origin;
+    c -= origin;
     // Scaled volumes of the ray with each edge; no subtraction of nearly equal hit points.
     vec3 volume = vec3(dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b)));
     vec3 weight = volume / (volume.x + volume.y + volume.z);

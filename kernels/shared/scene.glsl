@@ -110,3 +110,12 @@ uvec3 triangle_vertices(Instance instance, uint primitive) {
     uint at = instance.first_index + 3u * primitive;
     return uvec3(indices[at], indices[at + 1u], indices[at + 2u]) + instance.first_vertex;
 }
+
+// Its corners, world space.
+void triangle_corners(uint instance_id, uint primitive, out vec3 a, out vec3 b, out vec3 c) {
+    Instance instance = instances[instance_id];
+    uvec3 corner = triangle_vertices(instance, primitive);
+    a = transform_point(instance.to_world, vertices[corner.x].position);
+    b = transform_point(instance.to_world, vertices[corner.y].position);
+    c = transform_point(instance.to_world, vertices[corner.z].position);
+}

@@ -118,6 +118,11 @@ pub struct CounterEntry {
     pub value: f64,
 }
 
+/// What kernels counted in two words each, the low one first.
+fn double_words(words: &[u32]) -> impl Iterator<Item = f64> {
+    words.chunks_exact(2).map(|pair| f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0]))
+}
+
 /// Adds caustic light to a frame's film.
 pub trait Technique {
     /// Starts over with no samples, after `context.frame` has. The scene's vertices, transforms, lights and the camera

@@ -71,16 +71,14 @@ bool surface_seen(LightView v, vec2 place, vec3 origin, vec3 direction, out Surf
     }
     if (!inside) {
         // Between the triangles of four texels: the nearest one's plane, within half a texel of it.
-        SeenPlane plane = plane_of(v, ids);
-        float t = dot(plane.normal, plane.point - origin) / dot(plane.normal, direction);
+        float t = plane_distance(plane_of(v, ids), origin, direction);
         if (!(t > 0.0)) return false;
         barycentrics = barycentrics_of(ids, origin + t * direction);
     }
     surface = surface_at(ids.x - 1u, ids.y, barycentrics);
     uvec2 opaque = opaque_ids[id_index(v, near)];
     if (opaque.x == 0u) return true;
-    SeenPlane plane = plane_of(v, opaque);
-    float t = dot(plane.normal, plane.point - origin) / dot(plane.normal, direction);
+    float t = plane_distance(plane_of(v, opaque), origin, direction);
     return !(t > 0.0 && t < dot(surface.position - origin, direction));
 }
 

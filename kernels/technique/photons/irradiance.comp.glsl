@@ -14,7 +14,6 @@ void main() {
     uint index = linear_index();
     if (index >= v.columns * v.rows) return;
     vec3 units = vec3(photon_flux[3u * index], photon_flux[3u * index + 1u], photon_flux[3u * index + 2u]);
-    for (uint c = 0u; c < 3u; c++) photon_flux[3u * index + c] = 0u;
     CameraTexel seen = camera_texels[index];
     vec3 irradiance = vec3(0.0);
     if (seen.instance != NO_INSTANCE) {

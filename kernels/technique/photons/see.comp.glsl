@@ -1,8 +1,7 @@
 // What a view sees at each texel of one layer, as ids, and how far away the opaque layer is there: from the ids that
 // light/visibility drew, or by rays alone.
 #include "technique/photons/spaces.glsl"
-#include "shared/meets.glsl"
-#include "trace/interface.glsl"
+#include "light/seen.glsl"
 
 layout(set = 3, binding = 4, std430) readonly buffer LightIds { uvec2 light_ids[]; };
 layout(set = 3, binding = 5, std430) writeonly buffer SpecularIds { uvec2 specular_ids[]; };
@@ -48,18 +47,11 @@ void main() {
     vec3 origin, direction;
     light_ray(v, chart_of(v, texel), origin, direction);
 
-    uvec2 ids = uvec2(0u);
-    bool known = false;
-    if (push.rastered != 0u) {
-        ids = light_ids[place];
-        vec2 barycentrics;
-        known = ids.x == 0u || meets(ids.x - 1u, ids.y, origin, direction, barycentrics);
-    }
-    if (!known) {
-        uint mask = push.layer == LIGHT_SPECULAR ? MASK_SPECULAR : MASK_DIFFUSE;
-        Hit hit = trace_closest(Ray(origin, 0.0, direction, 1e30), mask);
-        ids = hit.instance == NO_INSTANCE ? uvec2(0u) : uvec2(hit.instance + 1u, hit.primitive);
-    }
+    bool rastered = push.rastered != 0u;
+    uvec2 drawn = uvec2(0u);
+    if (rastered) drawn = light_ids[place];
+    Seen seen = first_seen(rastered, drawn, push.layer, origin, direction);
+    uvec2 ids = seen.instance == NO_INSTANCE ? uvec2(0u) : uvec2(seen.instance + 1u, seen.primitive);
     if (push.layer == LIGHT_SPECULAR) {
         specular_ids[v.first_texel + place] = ids;
         return;

@@ -63,14 +63,16 @@ struct SeenPlane {
 };
 
 SeenPlane plane_of(LightView v, uvec2 ids) {
-    Instance instance = instances[ids.x - 1u];
-    uvec3 corner = triangle_vertices(instance, ids.y);
-    vec3 a = transform_point(instance.to_world, vertices[corner.x].position);
-    vec3 b = transform_point(instance.to_world, vertices[corner.y].position);
-    vec3 c = transform_point(instance.to_world, vertices[corner.z].position);
+    vec3 a, b, c;
+    triangle_corners(ids.x - 1u, ids.y, a, b, c);
     vec3 normal = normalize(cross(b - a, c - a));
     vec3 way = v.perspective != 0u ? a - v.origin : v.forward;
     return SeenPlane(a, dot(normal, way) > 0.0 ? -normal : normal);
+}
+
+// Metres along the ray to where it meets the plane; negative behind it, infinite along it.
+float plane_distance(SeenPlane plane, vec3 origin, vec3 direction) {
+    return dot(plane.normal, plane.point - origin) / dot(plane.normal, direction);
 }
 
 // Depth of the plane at a point of the chart; negative or infinite where it is not before the view.
@@ -78,17 +80,13 @@ float plane_depth(LightView v, SeenPlane plane, vec2 at) {
     vec3 across = at.x * v.right + at.y * v.up;
     bool perspective = v.perspective != 0u;
     vec3 from = perspective ? v.origin : v.origin + across;
-    vec3 way = perspective ? v.forward + across : v.forward;
-    return dot(plane.normal, plane.point - from) / dot(plane.normal, way);
+    return plane_distance(plane, from, perspective ? v.forward + across : v.forward);
 }
 
 // Of the point of a triangle nearest to one in its plane, about: weights below zero are taken away.
 vec2 barycentrics_of(uvec2 ids, vec3 point) {
-    Instance instance = instances[ids.x - 1u];
-    uvec3 corner = triangle_vertices(instance, ids.y);
-    vec3 a = transform_point(instance.to_world, vertices[corner.x].position);
-    vec3 b = transform_point(instance.to_world, vertices[corner.y].position);
-    vec3 c = transform_point(instance.to_world, vertices[corner.z].position);
+    vec3 a, b, c;
+    triangle_corners(ids.x - 1u, ids.y, a, b, c);
     vec3 normal = cross(b - a, c - a);
     vec3 weights = max(vec3(dot(normal, cross(b - point, c - point)), dot(normal, cross(c - point, a - point)),
                             dot(normal, cross(a - point, b - point))), vec3(0.0));
@@ -100,7 +98,6 @@ vec2 barycentrics_of(uvec2 ids, vec3 point) {
 Surface surface_shown(LightView v, uvec2 ids, vec2 at) {
     vec3 origin, direction;
     light_ray(v, at, origin, direction);
-    SeenPlane plane = plane_of(v, ids);
-    float t = dot(plane.normal, plane.point - origin) / dot(plane.normal, direction);
+    float t = plane_distance(plane_of(v, ids), origin, direction);
     return surface_at(ids.x - 1u, ids.y, barycentrics_of(ids, origin + t * direction));
 }

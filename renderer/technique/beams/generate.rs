@@ -9,7 +9,7 @@ use crate::gpu::{Bindings, Buffer, GpuError, GpuStruct, Layout, Recorder};
 use crate::light_view::LightViews;
 use crate::random;
 use crate::scene::{Emitter, Scene};
-use crate::technique::{Context, CounterEntry, LedgerEntry, Settings};
+use crate::technique::{Context, CounterEntry, LedgerEntry, Settings, double_words};
 
 /// Places of leaves, or leaves, that one workgroup counts and writes.
 const BLOCK: u32 = 64;
@@ -345,11 +345,9 @@ impl Generator {
     pub fn ledger(&self, sets: u32) -> Result<Vec<LedgerEntry>, GpuError> {
         let words: Vec<u32> = self.tallies.read(TALLY_COUNT + 2 * LEDGER_NAMES.len())?;
         let scale = f64::from(self.settings.ledger_unit) / f64::from(sets.max(1));
-        let entries = LEDGER_NAMES.iter().zip(words[TALLY_COUNT..].chunks_exact(2)).map(|(name, pair)| LedgerEntry {
-            name,
-            watts: (f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])) * scale,
-        });
-        let mut entries: Vec<LedgerEntry> = entries.collect();
+        let entries = LEDGER_NAMES.iter().zip(double_words(&words[TALLY_COUNT..]));
+        let mut entries: Vec<LedgerEntry> =
+            entries.map(|(name, units)| LedgerEntry { name, watts: units * scale }).collect();
         entries.rotate_right(1);
         Ok(entries)
     }

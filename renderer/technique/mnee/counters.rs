@@ -1,7 +1,7 @@
 //! How often what happened in the search for paths, so that no failure is silent.
 
 use crate::gpu::{Buffer, GpuError};
-use crate::technique::CounterEntry;
+use crate::technique::{CounterEntry, double_words};
 
 /// In the order of `kernels/technique/mnee/counters.glsl`.
 pub const NAMES: [&str; 28] = [
@@ -41,11 +41,10 @@ pub const WORDS: usize = 2 * NAMES.len() + 2;
 /// Reads the counters, and what follows from them.
 pub fn read(buffer: &Buffer) -> Result<Vec<CounterEntry>, GpuError> {
     let words: Vec<u32> = buffer.read(WORDS)?;
-    let count = |index: usize| f64::from(words[2 * index]) + 4_294_967_296.0 * f64::from(words[2 * index + 1]);
-    let value = |name: &str| NAMES.iter().position(|&n| n == name).map_or(0.0, count);
+    let counts: Vec<f64> = double_words(&words).collect();
+    let value = |name: &str| NAMES.iter().position(|&n| n == name).map_or(0.0, |index| counts[index]);
     let mean = |what: &str, over: &str| value(what) / value(over).max(1.0);
-    let mut entries: Vec<_> =
-        NAMES.iter().enumerate().map(|(index, name)| CounterEntry { name, value: count(index) }).collect();
+    let mut entries: Vec<_> = NAMES.iter().zip(&counts).map(|(name, &value)| CounterEntry { name, value }).collect();
     entries.push(CounterEntry { name: "triangles_crossed_longest_walk", value: f64::from(words[2 * NAMES.len()]) });
     entries.push(CounterEntry { name: "triangles_crossed_mean_per_start", value: mean("triangles_crossed", "starts") });
     entries.push(CounterEntry { name: "roots_mean_per_point", value: mean("roots", "points") });

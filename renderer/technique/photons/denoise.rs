@@ -21,7 +21,7 @@
 
 use glam::{Affine3A, DAffine3, DMat3, Vec3};
 
-use super::settings::DENOISE_OFF;
+use super::settings::{DENOISE_OFF, DENOISE_TEMPORAL};
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
 use crate::light_view::LightView;
 use crate::technique::Settings;
@@ -73,7 +73,7 @@ impl DenoiseOptions {
     pub fn of(settings: &Settings) -> Option<Self> {
         let mode = settings.choice("denoise");
         (mode != DENOISE_OFF).then(|| DenoiseOptions {
-            temporal: mode == "temporal",
+            temporal: mode == DENOISE_TEMPORAL,
             adaptive: settings.choice("history") == "adaptive",
             alpha: settings.number("alpha"),
             change: settings.number("change"),

@@ -1,7 +1,7 @@
 //! What the technique's kernels counted, by name.
 
 use crate::gpu::{Buffer, GpuError};
-use crate::technique::{CounterEntry, LedgerEntry};
+use crate::technique::{CounterEntry, LedgerEntry, double_words};
 
 /// In the order of `kernels/technique/photons/ledger.glsl`.
 const ENTRIES: [&str; 15] = [
@@ -39,7 +39,7 @@ pub const TALLY_BYTES: u64 = 8 * TALLIES.len() as u64;
 
 fn values(buffer: &Buffer, count: usize) -> Result<Vec<f64>, GpuError> {
     let words: Vec<u32> = buffer.read(2 * count)?;
-    Ok(words.chunks_exact(2).map(|pair| f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])).collect())
+    Ok(double_words(&words).collect())
 }
 
 /// W of the mean channel over `sets` sets, each unit of the buffer `unit` W. What faint photons that were not followed

@@ -261,9 +261,14 @@ impl Photons {
     }
 
     /// Records a set of photons, from lights to irradiance.
-    fn record_set(&mut self, frame: &Frame, recorder: &mut Recorder, set: u32) -> Result<StorePush, GpuError> {
+    fn record_set(
+        &mut self,
+        frame: &Frame,
+        recorder: &mut Recorder,
+        set: u32,
+        store: StorePush,
+    ) -> Result<(), GpuError> {
         let bindings = [&frame.bindings, &self.bindings];
-        let store = StorePush { seed: random::combine(self.emission.seed, set), ..self.trace.store };
         let emission = EmissionPush { set, ..self.emission };
         let trace = TracePush { store, ..self.trace };
         let mut pass = recorder.pass("photons/clear")?;
@@ -291,7 +296,7 @@ impl Photons {
         if let Some(denoiser) = &mut self.denoiser {
             denoiser.record(recorder, &frame.bindings)?;
         }
-        Ok(store)
+        Ok(())
     }
 }
 
@@ -325,9 +330,9 @@ impl Technique for Photons {
                 self.found = true;
             }
             let set = self.first_set.wrapping_add(index / self.reuse);
-            let mut store = StorePush { seed: random::combine(self.emission.seed, set), ..self.trace.store };
+            let store = StorePush { seed: random::combine(self.emission.seed, set), ..self.trace.store };
             if index.is_multiple_of(self.reuse) {
-                store = self.record_set(frame, recorder, set)?;
+                self.record_set(frame, recorder, set, store)?;
             }
             let bindings = [&frame.bindings, &self.bindings];
             recorder.pass("photons/show")?.dispatch(

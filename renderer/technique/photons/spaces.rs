@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 
-use crate::gpu::{Bindings, Buffer, Capability, GpuError, Kernel, Raster, RasterTargets, Recorder};
-use crate::light_view::{LightView, LightViewPush, draws, light_views};
+use crate::gpu::{Bindings, Buffer, GpuError, Kernel, Recorder};
+use crate::light_view::{IdRaster, LightView, draws, light_views};
 use crate::scene::Scene;
 use crate::technique::Context;
 use crate::view::View;
@@ -62,8 +62,8 @@ pub struct Spaces {
     pub bindings: Bindings,
     /// The block `CameraTexels`.
     pub texels: Buffer,
-    lights: Option<Finder>,
-    camera: Option<Finder>,
+    lights: Option<IdRaster>,
+    camera: Option<IdRaster>,
     /// Bound where rays find everything.
     no_ids: Buffer,
     draws: [Vec<(u32, u32)>; 2],
@@ -73,24 +73,11 @@ pub struct Spaces {
     thickness: f32,
 }
 
-/// Draws ids at one size.
-struct Finder {
-    raster: Raster,
-    targets: RasterTargets,
-    ids: Buffer,
-}
-
-impl Finder {
-    /// None where the device cannot draw them.
-    fn new(context: &Context<'_>, name: &str, columns: u32, rows: u32) -> Result<Option<Self>, GpuError> {
-        let device = context.device;
-        if !device.has(Capability::PreciseRaster) || columns.max(rows) > device.info.limits.target_side {
-            return Ok(None);
-        }
-        let targets = RasterTargets::ids(device, name, columns, rows)?;
-        let ids = Buffer::new(device, name, u64::from(columns) * u64::from(rows) * 8)?;
-        Ok(Some(Finder { raster: Raster::new(device, "light/visibility", &targets)?, targets, ids }))
-    }
+/// None where the device cannot draw them.
+fn raster(context: &Context<'_>, name: &str, view: &LightView) -> Result<Option<IdRaster>, GpuError> {
+    let (device, columns, rows) = (context.device, view.columns, view.rows);
+    let possible = IdRaster::is_possible(device, columns, rows);
+    possible.then(|| IdRaster::new(device, name, columns, rows, 1)).transpose()
 }
 
 /// What the camera sees straight ahead, `margin` of the picture's longer side beyond each border, with as many texels as
@@ -183,11 +170,9 @@ impl Spaces {
         let texels = |views: &[LightView]| views.iter().map(|v| u64::from(v.columns) * u64::from(v.rows)).sum::<u64>();
         let (lights, camera) = views.split_at(views.len() - 1);
         let (levels, slabs) = levels_of(&views);
-        let light_finder = match lights.first() {
-            Some(first) => Finder::new(context, "photons light ids", first.columns, first.rows)?,
-            None => None,
-        };
-        let camera_finder = Finder::new(context, "photons camera ids", camera[0].columns, camera[0].rows)?;
+        // All lights' views are of one size.
+        let light_raster = lights.first().map(|view| raster(context, "photons light ids", view)).transpose()?;
+        let camera_raster = raster(context, "photons camera ids", &camera[0])?;
         let variant = context.tracer.backend.variant();
         let camera_texels = Buffer::new(device, "photons camera texels", CAMERA_BYTES * texels(camera))?;
         let bindings = Bindings::new()
@@ -200,8 +185,8 @@ impl Spaces {
         Ok(Spaces {
             bindings,
             texels: camera_texels,
-            lights: light_finder,
-            camera: camera_finder,
+            lights: light_raster.flatten(),
+            camera: camera_raster,
             no_ids: Buffer::new(device, "photons no ids", 0)?,
             draws: draws(context.scene),
             see: Kernel::new(device, "photons/see", variant)?,
@@ -247,19 +232,14 @@ impl Spaces {
 
     fn record_layer(&self, recorder: &mut Recorder, scene: &Bindings, index: u32, layer: u32) -> Result<(), GpuError> {
         let view = &self.views[index as usize];
-        let finder = if index == self.camera() { &self.camera } else { &self.lights };
-        let mut found = &self.no_ids;
-        if let Some(Finder { raster, targets, ids }) = finder {
-            let draw = |&(instance, vertices): &(u32, u32)| {
-                (LightViewPush { view: index, instance, rastered: 1, padding0: 0 }, vertices)
-            };
-            let items: Vec<_> = self.draws[layer as usize].iter().map(draw).collect();
-            recorder.pass("photons/visibility")?.draw(raster, targets, &[scene, &self.bindings], &items)?;
-            recorder.pass("photons/visibility-copy")?.copy_image(&targets.color, ids, 0);
-            found = ids;
+        let raster = if index == self.camera() { &self.camera } else { &self.lights };
+        if let Some(raster) = raster {
+            let draws = &self.draws[layer as usize];
+            raster.record(recorder, "photons", &[scene, &self.bindings], (index, 0), draws)?;
         }
-        let bindings = self.bindings.clone().buffer("LightIds", found);
-        let rastered = u32::from(finder.is_some());
+        let ids = raster.as_ref().map_or(&self.no_ids, |raster| &raster.ids);
+        let bindings = self.bindings.clone().buffer("LightIds", ids);
+        let rastered = u32::from(raster.is_some());
         let push = SeePush { view: index, layer, rastered, thickness: self.thickness };
         recorder.pass("photons/see")?.dispatch(&self.see, &[scene, &bindings], &push, view.columns * view.rows)?;
         Ok(())

@@ -7,7 +7,7 @@ mod sort;
 mod volume;
 
 use super::emission::{EmissionCell, emission};
-use super::{Context, LedgerEntry, Settings, Technique};
+use super::{Context, LedgerEntry, Settings, Technique, double_words};
 use crate::frame::Frame;
 use crate::gpu::{Bindings, Buffer, GpuError, Kernel, Recorder};
 use crate::random;
@@ -220,10 +220,8 @@ impl Technique for Reference {
     fn ledger(&self, samples: u32) -> Result<Vec<LedgerEntry>, GpuError> {
         let words: Vec<u32> = self.ledger.read(2 * LEDGER_NAMES.len())?;
         let scale = f64::from(self.emit.ledger_unit) / f64::from(samples.div_ceil(self.reuse).max(1));
-        let entries = LEDGER_NAMES.iter().zip(words.chunks_exact(2)).map(|(name, pair)| LedgerEntry {
-            name,
-            watts: (f64::from(pair[1]) * 4_294_967_296.0 + f64::from(pair[0])) * scale,
-        });
+        let entries = LEDGER_NAMES.iter().zip(double_words(&words));
+        let entries = entries.map(|(name, units)| LedgerEntry { name, watts: units * scale });
         Ok(std::iter::once(LedgerEntry { name: "emitted", watts: self.flux.into() }).chain(entries).collect())
     }
 

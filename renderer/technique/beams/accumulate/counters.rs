@@ -1,7 +1,7 @@
 //! What accumulation counted.
 
 use crate::gpu::{Buffer, GpuError};
-use crate::technique::CounterEntry;
+use crate::technique::{CounterEntry, double_words};
 
 /// In the order of `kernels/technique/beams/tally.glsl`.
 const NAMES: [&str; 6] = [
@@ -18,6 +18,5 @@ pub const BYTES: u64 = 8 * NAMES.len() as u64;
 
 pub fn read(buffer: &Buffer) -> Result<Vec<CounterEntry>, GpuError> {
     let words: Vec<u32> = buffer.read(2 * NAMES.len())?;
-    let value = |i: usize| f64::from(words[2 * i]) + 4_294_967_296.0 * f64::from(words[2 * i + 1]);
-    Ok(NAMES.iter().enumerate().map(|(i, name)| CounterEntry { name, value: value(i) }).collect())
+    Ok(NAMES.iter().zip(double_words(&words)).map(|(name, value)| CounterEntry { name, value }).collect())
 }
