@@ -2,6 +2,7 @@
 
 mod boxes;
 mod counters;
+mod depths;
 mod filter;
 mod hulls;
 mod options;
@@ -15,6 +16,7 @@ use crate::technique::beams::kernels::by_media;
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
+use depths::Depths;
 use filter::Filter;
 use hulls::Hulls;
 
@@ -85,6 +87,8 @@ pub const LAYOUTS: &[Layout] = &[
     VolumeLightPush::LAYOUT,
     boxes::BeamBox::LAYOUT,
     boxes::BoxesPush::LAYOUT,
+    depths::BeamDepths::LAYOUT,
+    depths::BeamDepthsPush::LAYOUT,
     hulls::Hull::LAYOUT,
     hulls::HullPush::LAYOUT,
     hulls::ExtrudePush::LAYOUT,
@@ -99,6 +103,8 @@ pub struct Accumulator {
     shade: ShadePush,
     beams: BeamBuffers,
     boxes: Boxes,
+    /// Where light is scattered in media of uneven density.
+    depths: Option<Depths>,
     bindings: Bindings,
     tallies: Buffer,
     gather: Kernel,
@@ -140,16 +146,23 @@ impl Accumulator {
             shadows: u32::from(options.shadows == Shadows::Edges),
             soft: options.soft,
         };
+        let uneven = volume.is_some() && !context.scene.densities.is_empty();
+        let depths = uneven.then(|| Depths::new(device, beams)).transpose()?;
         let pushes = (shade, volume_push(&options));
         let hulls = Hulls::new(&options, context, beams, pushes)?;
         let drawn = hulls::drawn_bindings(device, hulls.as_ref())?;
+        let mut bindings = bindings.and(boxes.bindings()).and(&drawn);
+        if let Some(depths) = &depths {
+            bindings = bindings.and(depths.bindings());
+        }
         Ok(Accumulator {
             shade,
             hulls,
             filter: Filter::new(&options, context)?,
             beams: beams.clone(),
-            bindings: bindings.and(boxes.bindings()).and(&drawn),
+            bindings,
             boxes,
+            depths,
             tallies,
             gather: Kernel::new(device, by_media(context, ["beams/gather", "beams/gather_grids"]), variant)?,
             volume,
@@ -178,6 +191,7 @@ impl Accumulator {
         let bindings = [&frame.bindings, &self.bindings];
         if new_beams {
             self.boxes.record(recorder, &bindings)?;
+            self.depths.as_ref().map_or(Ok(()), |depths| depths.record(recorder, &bindings))?;
         }
         if let Some(hulls) = &self.hulls {
             hulls.record(frame, recorder, &bindings)?;
