@@ -67,7 +67,7 @@ void visit(uint bases[2], uvec2 near_beams) {
 }
 
 void main() {
-    uint tile = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+    uint tile = own_tile(push.tile);
     if (tile >= VISIBLE_LAYERS * tiles_in_layer(push.tile)) return;
     uint slot = slot_of(push.tile, tile);
     open_tallies();

@@ -38,6 +38,10 @@ crate::gpu_struct! {
         pub blocks: u32,
         pub listed: u32,
         pub drawn: u32,
+        pub first: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+        pub padding2: u32,
     }
 }
 
@@ -97,6 +101,9 @@ pub const LAYOUTS: &[Layout] = &[
 
 /// Slots of a tile, 8 x 8.
 const TILE_SIDE: u32 = 8;
+/// Tiles of a dispatch. Drivers and this program give up on what takes too long: smoke at 240x180, in one, took a busy
+/// software device ten minutes.
+const TILES_AT_ONCE: usize = 512;
 
 /// Adds up the light of beams; of one band.
 pub struct Accumulator {
@@ -196,20 +203,23 @@ impl Accumulator {
         if let Some(hulls) = &self.hulls {
             hulls.record(frame, recorder, &bindings)?;
         }
-        // Hulls bring light to points, not to what pixels cover.
-        let tile = self.tile_push();
-        let push = LightPush {
-            tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
-            shade: self.shade,
-            jitter: frame.jitter(),
-            footprints: self.footprints.into(),
-            parts: TILE_SIDE,
-        };
-        let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
-        recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
-        if let Some((kernel, volume)) = &self.volume {
-            let push = VolumeLightPush { tile: self.tile_push(), shade: self.shade, volume: *volume };
-            recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+        for first in (0..self.tiles).step_by(TILES_AT_ONCE) {
+            let tiles = (self.tiles - first).min(TILES_AT_ONCE as u32);
+            let tile = TilePush { first, ..self.tile_push() };
+            // Hulls bring light to points, not to what pixels cover.
+            let push = LightPush {
+                tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
+                shade: self.shade,
+                jitter: frame.jitter(),
+                footprints: self.footprints.into(),
+                parts: TILE_SIDE,
+            };
+            let invocations = tiles * TILE_SIDE * TILE_SIDE;
+            recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
+            if let Some((kernel, volume)) = &self.volume {
+                let push = VolumeLightPush { tile, shade: self.shade, volume: *volume };
+                recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+            }
         }
         self.filter.as_ref().map_or(Ok(()), |filter| filter.record(frame, recorder))
     }
@@ -220,6 +230,10 @@ impl Accumulator {
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
             drawn: u32::from(self.hulls.is_some()),
+            first: 0,
+            padding0: 0,
+            padding1: 0,
+            padding2: 0,
         }
     }
 
