@@ -64,9 +64,9 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
     let (picture, mask) = report::truth(&options.truth, options.mask.as_deref())?;
     let truth = Truth { picture, mask };
     let uniform = RenderSettings {
-        camera: Some(options.camera.clone().unwrap_or(CAMERA.to_string())),
-        size: Some(options.size.unwrap_or(SIZE)),
-        samples: Some(options.samples.unwrap_or(SAMPLES)),
+        camera: Some(options.settings.camera.clone().unwrap_or(CAMERA.to_string())),
+        size: Some(options.settings.size.unwrap_or(SIZE)),
+        samples: Some(options.settings.samples.unwrap_or(SAMPLES)),
         ..options.settings.clone()
     };
     let kernels = fill_cache(options, &uniform, &truth)?;

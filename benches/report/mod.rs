@@ -1,6 +1,10 @@
-//! What benchmarks share: the truth that they hold pictures against, and what they write beside their tables, JSON with
-//! the commit; devices and drivers are in the results.
+//! What benchmarks share: what they are asked for, the truth that they hold pictures against, and what they write beside
+//! their tables, JSON with the commit; devices and drivers are in the results.
 #![allow(dead_code, reason = "each benchmark uses its part")]
+
+pub mod options;
+pub mod parts;
+pub mod run;
 
 use std::error::Error;
 use std::path::Path;
