@@ -12,15 +12,13 @@
 mod report;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::technique::TechniqueKind;
 use nephroid::{scene, stats};
-use report::options;
+use report::{Truth, options};
 
 /// What is compared; the first is what the others are held against.
 const SOLVERS: &[(&str, &[&str])] = &[
@@ -56,7 +54,7 @@ struct Row {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = options()?;
-    let (expected, mask) = report::truth(&options.truth, options.mask.as_deref())?;
+    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
     let frame = RenderSettings { technique: TechniqueKind::None, ..options.settings.clone() };
     let (about, rows) = run(&options, &frame, None)?;
     let frame_seconds = rows.last().map_or(0.0, |row| row.seconds / f64::from(row.samples));
@@ -71,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, set) in SOLVERS {
         let mut settings = RenderSettings { technique: TechniqueKind::Mnee, ..options.settings.clone() };
         settings.set.extend(set.iter().map(|s| s.to_string()));
-        let (_, rows) = run(&options, &settings, Some((&expected, &mask)))?;
+        let (_, rows) = run(&options, &settings, Some(&truth))?;
         if walk.is_empty() {
             walk = rows.clone();
         }
@@ -100,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn run(
     options: &Options,
     settings: &RenderSettings,
-    truth: Option<(&RgbImage, &Mask)>,
+    truth: Option<&Truth>,
 ) -> Result<(String, Vec<Row>), Box<dyn Error>> {
     let mut renderer = Renderer::new(scene::load(&options.scene)?, settings)?;
     let software = renderer.device().info.kind == "cpu";
@@ -119,7 +117,7 @@ fn run(
             continue;
         }
         let seconds = later * f64::from(done) / f64::from(done - 1);
-        let metrics = truth.map(|(truth, mask)| measure(&renderer, &options.layer, truth, mask)).transpose()?;
+        let metrics = truth.map(|truth| truth.error(&renderer, &options.layer)).transpose()?;
         let (rel_rmse, energy_ratio) = metrics.map_or((0.0, 0.0), |m| (m.rel_rmse, m.energy_ratio));
         rows.push(Row { samples: done, seconds, rel_rmse, energy_ratio });
         if seconds > options.seconds {
@@ -162,11 +160,6 @@ fn slower(walk: &[Row], row: &Row) -> Slower {
         }
     }
     Slower::Never
-}
-
-fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
-    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-    Ok(compare(&picture, truth, mask)?)
 }
 
 fn options() -> Result<Options, Box<dyn Error>> {

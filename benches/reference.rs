@@ -8,13 +8,11 @@
 mod report;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::{scene, stats};
-use report::options;
+use report::{Truth, options};
 
 struct Options {
     scene: PathBuf,
@@ -26,7 +24,7 @@ struct Options {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = options()?;
-    let (expected, mask) = report::truth(&options.truth, options.mask.as_deref())?;
+    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &options.settings)?;
     println!(
         "{}, {}, camera {}",
@@ -43,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let seconds = stats::cpu_seconds() - start;
-        let metrics = measure(&renderer, &options.layer, &expected, &mask)?;
+        let metrics = truth.error(&renderer, &options.layer)?;
         let ratio = before.map(|b| metrics.rel_rmse / b);
         println!(
             "{:>8} {seconds:>8.1} {:>8.2}% {:>9.5} {:>8.2}% {:>7}",
@@ -70,11 +68,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         "rows": rows,
     });
     report::write("reference", results)
-}
-
-fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
-    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-    Ok(compare(&picture, truth, mask)?)
 }
 
 fn options() -> Result<Options, Box<dyn Error>> {

@@ -1,14 +1,13 @@
-//! What samples take, what their pictures are worth, and the settings to render them by.
+//! What samples take, and the truths and settings to render them by.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
 use nephroid::render::RenderSettings;
 
+use crate::Options;
+use crate::report::Truth;
 use crate::report::run::Run;
-use crate::{Options, report};
 
 /// What beams are made by; the others of `beams/` add them up.
 const GENERATION: [&str; 15] = [
@@ -57,28 +56,10 @@ pub fn dropped(run: &Run) -> Result<f64, Box<dyn Error>> {
     Ok(counters.iter().filter(|counter| counter.name.ends_with("_dropped")).map(|counter| counter.value).sum())
 }
 
-/// What pictures are held against.
-pub struct Truth {
-    picture: RgbImage,
-    mask: Mask,
-}
-
-impl Truth {
-    /// The one asked for, or what a camera of the pool sees.
-    pub fn of(options: &Options, camera: &str) -> Result<Self, Box<dyn Error>> {
-        let own = || PathBuf::from(format!("tests/truth/pool_{camera}_120x90.exr"));
-        let (picture, mask) = report::truth(&options.truth.clone().unwrap_or_else(own), options.mask.as_deref())?;
-        Ok(Truth { picture, mask })
-    }
-
-    pub fn error(&self, run: &Run, layer: &str) -> Result<Metrics, Box<dyn Error>> {
-        let picture = run.renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-        Ok(compare(&picture, &self.picture, &self.mask)?)
-    }
-
-    pub fn size(&self) -> (u32, u32) {
-        (self.picture.width as u32, self.picture.height as u32)
-    }
+/// The truth that was asked for, or what a camera of the pool sees.
+pub fn truth(options: &Options, camera: &str) -> Result<Truth, Box<dyn Error>> {
+    let own = || PathBuf::from(format!("tests/truth/pool_{camera}_120x90.exr"));
+    Truth::read(&options.truth.clone().unwrap_or_else(own), options.mask.as_deref())
 }
 
 /// `options`' settings with a camera, a size and more `--set` items, which those of `options` win over.
