@@ -6,6 +6,7 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::measure::counter;
 use common::pool::{flat_water_irradiance, floor_point};
 use common::{Case, Request, layer};
 use nephroid::random;
@@ -50,10 +51,6 @@ fn render(request: &Request, scene: &str, size: (u32, u32), samples: u32, set: &
 
 fn caustic(picture: &Picture) -> Vec<f64> {
     layer(&picture.image, "caustic").iter().map(|p| f64::from(p[1])).collect()
-}
-
-fn counter(picture: &Picture, name: &str) -> f64 {
-    picture.stats.counters.iter().find(|c| c.name == name).unwrap().value
 }
 
 /// What one sample of flat water shows at each floor pixel over what it should, at the very points that it sees.
