@@ -6,12 +6,12 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::text::FLOOR;
 use common::{Case, Request, assert_valid};
 use nephroid::gpu::{Capability, Device, KernelWatch, ReloadReport};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::scene;
 use nephroid::technique::TechniqueKind;
-use nephroid_kernels::compiler;
 use tempfile::TempDir;
 
 const DIRECT: &str = "frame/direct.comp.glsl";
@@ -41,7 +41,7 @@ struct Bench {
 impl Bench {
     fn new(request: &Request) -> Self {
         let folder = TempDir::new().unwrap();
-        copy(compiler::source_folder(), folder.path());
+        copy(nephroid_kernels::source_folder(), folder.path());
         let settings = RenderSettings {
             device: request.device.clone(),
             trace: "bvh".parse().unwrap(),
@@ -49,7 +49,8 @@ impl Bench {
             size: Some((8, 6)),
             ..Default::default()
         };
-        let renderer = Renderer::new(scene::parse(FLOOR, Path::new("test.toml")).unwrap(), &settings).unwrap();
+        let renderer =
+            Renderer::new(scene::parse(&format!("{FLOOR}{LAMP}"), Path::new("test.toml")).unwrap(), &settings).unwrap();
         let mut watch = KernelWatch::new(renderer.device(), folder.path()).unwrap();
         assert_eq!(watch.poll(), [], "the copy is what was built in");
         Bench { folder, renderer, watch }
@@ -233,23 +234,7 @@ fn no_folder(request: &Request) {
     }
 }
 
-const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 60
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
+const LAMP: &str = r#"
 [[light]]
 name = "lamp"
 kind = "point"
