@@ -17,6 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::measure::{assert_finite, counter, difference, sum, watts};
+use common::pool::coarse;
 use common::{Case, Request};
 use nephroid::gpu::Capability;
 use nephroid::render::{Picture, RenderSettings};
@@ -48,10 +49,8 @@ fn load(name: &str) -> Scene {
     scene::load(&Path::new("scenes").join(name)).unwrap()
 }
 
-/// The pool with less water, so that it is quick.
 fn pool() -> Scene {
-    let text = std::fs::read_to_string("scenes/pool.toml").unwrap().replace("quads = [256, 256]", "quads = [64, 64]");
-    scene::parse(&text, Path::new("scenes/pool.toml")).unwrap()
+    coarse("pool.toml")
 }
 
 /// A picture by beams that `change` sets up further.

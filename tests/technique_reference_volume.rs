@@ -50,7 +50,7 @@ fn flat_water(request: &Request) {
             assert!((found / expected - 1.0).abs() < 1e-3, "row {row}, column {column}: {found}, not {expected}");
         }
     }
-    let size = (48, 36);
+    let size = (32, 24);
     let set = ["reference.photons=10000", "reference.volume_photons=100000", "reference.reuse=1"];
     for asymmetry in [0.0, 0.7] {
         let errors = [2, 16].map(|samples| {

@@ -1,11 +1,9 @@
 //! Ways to the same picture, and what moves it.
 
-use std::path::Path;
-
 use nephroid::render::{Picture, RenderSettings};
-use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
 
+use crate::common::pool::coarse;
 use crate::common::sequence::{self, bits};
 use crate::common::{Request, layer};
 use crate::{assert_sound, counter, difference, pool, render, sum};
@@ -15,15 +13,8 @@ const TIERS: f64 = 1e-3;
 
 const SMALL: [&str; 4] = ["beams.grid=6", "beams.levels=3", "beams.bounces=1", "beams.vertices=65536"];
 
-/// The pool with waves, in water that scatters.
-fn turbid() -> Scene {
-    let text = std::fs::read_to_string("scenes/turbid_pool.toml").unwrap();
-    let text = text.replace("quads = [256, 256]", "quads = [64, 64]");
-    scene::parse(&text, Path::new("scenes/turbid_pool.toml")).unwrap()
-}
-
 fn small(request: &Request, extra: &[&str], change: impl FnOnce(&mut RenderSettings)) -> Picture {
-    let picture = render(request, turbid(), &[&SMALL[..], extra].concat(), |s| {
+    let picture = render(request, coarse("turbid_pool.toml"), &[&SMALL[..], extra].concat(), |s| {
         s.size = Some((32, 24));
         change(s);
     });
