@@ -2,8 +2,8 @@
 //! against a truth's differences.
 //!
 //! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
-//! `--truth reference:16`, `--photons`, `--set`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples)
-//! change that. Prints a table and writes `target/bench/flicker.json`.
+//! `--truth reference:16`, `--photons`, `--set` (for the runs of its technique), `--device`, `--trace` and `--runs
+//! mnee:4,reference:16` (technique:samples) change that. Prints a table and writes `target/bench/flicker.json`.
 //!
 //! The truth is the mean of two runs of one technique with seeds of their own. Its noise is known from their difference and
 //! taken out of what is shown: of the mean square of (difference of frames - the truth's), half the mean square noise of
@@ -90,7 +90,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         rows.push(row);
     }
-    let device = Renderer::new(scene::load(&options.scene)?, &options.settings)?.device().info.describe();
+    let settings = RenderSettings { set: Vec::new(), ..options.settings.clone() };
+    let device = Renderer::new(scene::load(&options.scene)?, &settings)?.device().info.describe();
     report::write(
         "flicker",
         serde_json::json!({
@@ -120,7 +121,8 @@ fn sequence(
     if technique == TechniqueKind::Reference {
         set = vec![format!("reference.photons={}", options.photons), "reference.paths=refracted-once".to_string()];
     }
-    set.extend(options.settings.set.iter().cloned());
+    let own = format!("{}.", technique.name());
+    set.extend(options.settings.set.iter().filter(|item| item.starts_with(&own)).cloned());
     let settings = RenderSettings { technique, samples: Some(samples), seed, set, ..options.settings.clone() };
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &settings)?;
     let start = stats::cpu_seconds();
