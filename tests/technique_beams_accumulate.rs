@@ -96,8 +96,9 @@ fn surfaces(request: &Request) {
 }
 
 fn flux(request: &Request) {
-    // Each pixel covers the same of the floor: half the picture is 4 tan(30 degrees) high there.
-    let (width, height, samples) = (128u32, 96u32, 6u32);
+    // Each pixel covers the same of the floor: half the picture is 4 tan(30 degrees) high there. More tiles than are gathered
+    // at once.
+    let (width, height, samples) = (256u32, 192u32, 2u32);
     let pixel = (2.0 * 4.0 * 30f64.to_radians().tan() / f64::from(height)).powi(2);
     let mut stage = Stage::new(request, parse(FLOOR), (width, height), Sampling::Uniform);
     for (index, mut one) in many_beams().into_iter().take(7).enumerate() {
@@ -117,7 +118,7 @@ fn flux(request: &Request) {
         }
         let ratio = sum / f64::from(one.flux[0]);
         println!("beam {index}: {ratio:.4} of its flux");
-        // The border of a triangle some forty pixels wide, at six points a pixel.
+        // The border of a triangle some eighty pixels wide, at two points a pixel.
         assert!((ratio - 1.0).abs() < 0.01, "beam {index}: {ratio}");
     }
 }

@@ -234,7 +234,7 @@ Box own_box() {
 }
 
 void main() {
-    uint tile = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+    uint tile = own_tile(push.tile);
     if (tile >= VISIBLE_LAYERS * tiles_in_layer(push.tile)) return;
     uint slot = slot_of(push.tile, tile);
     point = VisiblePoint(vec3(0.0), NO_INSTANCE, 0u, 0u, 0.0, 0u);

@@ -57,8 +57,8 @@ void visit(uint bases[2], uvec2 near_beams) {
     while (any_bit(met)) {
         uvec2 rest = met;
         uint bit = take_bit(rest);
-        Beam beam = beams[bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS];
-        sum += volume_step(push.shade, push.volume, beam, view_ray, seen, from);
+        uint index = bases[bit / BLOCK_BEAMS] + bit % BLOCK_BEAMS;
+        sum += volume_step(push.shade, push.volume, index, beams[index], view_ray, seen, from);
         if (from >= ALL_DONE) {
             met = rest;
             from = -ALL_DONE;
@@ -67,7 +67,7 @@ void visit(uint bases[2], uvec2 near_beams) {
 }
 
 void main() {
-    uint tile = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+    uint tile = own_tile(push.tile);
     if (tile >= VISIBLE_LAYERS * tiles_in_layer(push.tile)) return;
     uint slot = slot_of(push.tile, tile);
     open_tallies();

@@ -5,6 +5,9 @@
 #include "technique/beams/shade.glsl"
 #include "technique/beams/interval.glsl"
 #include "technique/beams/inverse_area.glsl"
+#ifndef EVEN_MEDIA
+#include "technique/beams/light_depth.glsl"
+#endif
 
 const uint INTEGRAL_CLOSED = 0u;   // the area's part in closed form, the rest by two points a step
 const uint INTEGRAL_ADAPTIVE = 1u; // all of it by two points a step, in more steps
@@ -26,31 +29,28 @@ Section section_along(Beam beam, Crossing c, float t) {
     return section;
 }
 
-// Optical depth over density 1 and extinction 1: from the light's start to the point, and on to the stretch's origin.
 // Software drivers run code that no invocation needs: EVEN_MEDIA leaves it out.
 #ifndef EVEN_MEDIA
 // Who includes this says how much is between the stretch's origin and a point of it: m of density 1.
 float seen_through(Stretch s, float distance);
 #endif
 
-float length_through(Stretch s, float distance, vec3 light, float before) {
+// m of density 1 from where the light left its surface to the section's point, and on to the stretch's origin.
+float depth_through(uint index, Beam beam, Stretch s, Section section, float distance) {
 #ifndef EVEN_MEDIA
-    vec3 start = s.origin + distance * s.direction - before * light;
-    return seen_through(s, distance) + density_along(s.medium, start, light, before);
-#else
-    return distance + before;
+    if (media[beam.medium].grid != NO_GRID) return seen_through(s, distance) + light_depth(index, beam, section);
 #endif
+    return distance + max(way_since_start(beam, section), 0.0);
 }
 
 // Radiance at the stretch's origin per metre and W, times the cross-section's area. The fluence of the light is its flux
-// over the area and the cosine to the beam's normal, 1 / |way| (erratum 9).
-vec3 scattered_at(ShadePush push, Beam beam, Stretch s, Crossing c, float t) {
+// over the area and the cosine to the beam's normal, 1 / |way| (erratum 9). `index` is the beam's.
+vec3 scattered_at(ShadePush push, uint index, Beam beam, Stretch s, Crossing c, float t) {
     Section section = section_along(beam, c, t);
     float distance = c.centre + t;
     float size = length(section.way);
     vec3 light = section.way / size;
-    float before = max(way_since_start(beam, section), 0.0);
-    float depth = length_through(s, distance, light, before);
+    float depth = depth_through(index, beam, s, section, distance);
 #ifndef EVEN_MEDIA
     vec3 scattering = scattering_at(beam.medium, s.origin + distance * s.direction);
 #else
@@ -91,7 +91,7 @@ float step_from(VolumePush how, Beam beam, Crossing c, float from, float end, fl
 }
 
 // One step's part of the integral over the piece of the ray that is inside the beam, W of flux apart.
-vec3 step_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossing c, vec2 step) {
+vec3 step_integral(ShadePush push, VolumePush how, uint index, Beam beam, Stretch s, Crossing c, vec2 step) {
     float middle = 0.5 * (step.x + step.y);
     float extent = 0.5 * (step.y - step.x);
     Area area = area_round(c, middle);
@@ -108,7 +108,7 @@ vec3 step_integral(ShadePush push, VolumePush how, Beam beam, Stretch s, Crossin
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < (single ? 1u : 2u); i++) {
         float weight = single ? 2.0 * weights.x : weights[i];
-        sum += weight * scattered_at(push, beam, s, c, middle + (i == 0u ? -place : place));
+        sum += weight * scattered_at(push, index, beam, s, c, middle + (i == 0u ? -place : place));
     }
     return sum;
 }

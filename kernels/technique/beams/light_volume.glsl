@@ -27,5 +27,5 @@ void main() {
     vec2 seen = seen_part(s);
     if ((beam.flags & BEAM_STRADDLES) != 0u && is_hidden(push.volume, beam, s, seen)) return;
     float from = -ALL_DONE;
-    while (from < ALL_DONE) light.rgb += volume_step(push.shade, push.volume, beam, s, seen, from);
+    while (from < ALL_DONE) light.rgb += volume_step(push.shade, push.volume, beam_index, beam, s, seen, from);
 }

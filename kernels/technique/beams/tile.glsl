@@ -8,11 +8,20 @@ struct TilePush {
     uint blocks;   // boxes of blocks, after which those of groups come
     uint listed;   // 1: places are those of an adaptive round
     uint drawn;    // 1: what the camera sees straight is drawn by a rasteriser
+    uint first;    // tile of the dispatch
+    uint padding0;
+    uint padding1;
+    uint padding2;
 };
 
 const uint TILE_SIDE = 8u;
 const uint TILE_SLOTS = 64u;
 const uint NO_SLOT = 0xffffffffu;
+
+// This workgroup's.
+uint own_tile(TilePush push) {
+    return push.first + gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+}
 
 uint tiles_across() {
     return (view.width + TILE_SIDE - 1u) / TILE_SIDE;

@@ -42,7 +42,7 @@ bool is_hidden(VolumePush volume, Beam beam, Stretch s, vec2 seen) {
 // The next step's W/(m2 sr) at the camera; `from` starts at -ALL_DONE and is at ALL_DONE after the last. `seen` is the
 // stretch's seen_part(). A step at a time, and each from its beginning: software drivers run both ways of every branch, and
 // every loop's body once too often, so that loops within loops would cost many times what they do.
-vec3 volume_step(ShadePush shade, VolumePush volume, Beam beam, Stretch s, vec2 seen, inout float from) {
+vec3 volume_step(ShadePush shade, VolumePush volume, uint index, Beam beam, Stretch s, vec2 seen, inout float from) {
     Crossing c = crossing_of(beam, s.origin, s.direction, s.extent);
     vec2 part = beam_part(volume, beam, s, seen, c);
     vec2 piece = piece_from(volume, c, part, from);
@@ -56,7 +56,7 @@ vec3 volume_step(ShadePush shade, VolumePush volume, Beam beam, Stretch s, vec2 
     if (end < part.y) from = end;
     if (noise) return vec3(0.0);
     if (first) count(TALLY_FRAGMENTS);
-    vec3 found = step_integral(shade, volume, beam, s, c, vec2(piece.x, end)) * beam.flux * s.throughput;
+    vec3 found = step_integral(shade, volume, index, beam, s, c, vec2(piece.x, end)) * beam.flux * s.throughput;
     if (all_finite(found)) return found;
     count(TALLY_NON_FINITE);
     return vec3(0.0);

@@ -2,6 +2,7 @@
 
 mod boxes;
 mod counters;
+mod depths;
 mod filter;
 mod hulls;
 mod options;
@@ -15,6 +16,7 @@ use crate::technique::beams::kernels::by_media;
 use crate::technique::{Context, CounterEntry, Settings};
 
 use boxes::Boxes;
+use depths::Depths;
 use filter::Filter;
 use hulls::Hulls;
 
@@ -36,6 +38,10 @@ crate::gpu_struct! {
         pub blocks: u32,
         pub listed: u32,
         pub drawn: u32,
+        pub first: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+        pub padding2: u32,
     }
 }
 
@@ -85,6 +91,8 @@ pub const LAYOUTS: &[Layout] = &[
     VolumeLightPush::LAYOUT,
     boxes::BeamBox::LAYOUT,
     boxes::BoxesPush::LAYOUT,
+    depths::BeamDepths::LAYOUT,
+    depths::BeamDepthsPush::LAYOUT,
     hulls::Hull::LAYOUT,
     hulls::HullPush::LAYOUT,
     hulls::ExtrudePush::LAYOUT,
@@ -93,12 +101,17 @@ pub const LAYOUTS: &[Layout] = &[
 
 /// Slots of a tile, 8 x 8.
 const TILE_SIDE: u32 = 8;
+/// Tiles of a dispatch. Drivers and this program give up on what takes too long: smoke at 240x180, in one, took a busy
+/// software device ten minutes.
+const TILES_AT_ONCE: usize = 512;
 
 /// Adds up the light of beams; of one band.
 pub struct Accumulator {
     shade: ShadePush,
     beams: BeamBuffers,
     boxes: Boxes,
+    /// Where light is scattered in media of uneven density.
+    depths: Option<Depths>,
     bindings: Bindings,
     tallies: Buffer,
     gather: Kernel,
@@ -140,16 +153,23 @@ impl Accumulator {
             shadows: u32::from(options.shadows == Shadows::Edges),
             soft: options.soft,
         };
+        let uneven = volume.is_some() && !context.scene.densities.is_empty();
+        let depths = uneven.then(|| Depths::new(device, beams)).transpose()?;
         let pushes = (shade, volume_push(&options));
         let hulls = Hulls::new(&options, context, beams, pushes)?;
         let drawn = hulls::drawn_bindings(device, hulls.as_ref())?;
+        let mut bindings = bindings.and(boxes.bindings()).and(&drawn);
+        if let Some(depths) = &depths {
+            bindings = bindings.and(depths.bindings());
+        }
         Ok(Accumulator {
             shade,
             hulls,
             filter: Filter::new(&options, context)?,
             beams: beams.clone(),
-            bindings: bindings.and(boxes.bindings()).and(&drawn),
+            bindings,
             boxes,
+            depths,
             tallies,
             gather: Kernel::new(device, by_media(context, ["beams/gather", "beams/gather_grids"]), variant)?,
             volume,
@@ -178,24 +198,28 @@ impl Accumulator {
         let bindings = [&frame.bindings, &self.bindings];
         if new_beams {
             self.boxes.record(recorder, &bindings)?;
+            self.depths.as_ref().map_or(Ok(()), |depths| depths.record(recorder, &bindings))?;
         }
         if let Some(hulls) = &self.hulls {
             hulls.record(frame, recorder, &bindings)?;
         }
-        // Hulls bring light to points, not to what pixels cover.
-        let tile = self.tile_push();
-        let push = LightPush {
-            tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
-            shade: self.shade,
-            jitter: frame.jitter(),
-            footprints: self.footprints.into(),
-            parts: TILE_SIDE,
-        };
-        let invocations = self.tiles * TILE_SIDE * TILE_SIDE;
-        recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
-        if let Some((kernel, volume)) = &self.volume {
-            let push = VolumeLightPush { tile: self.tile_push(), shade: self.shade, volume: *volume };
-            recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+        for first in (0..self.tiles).step_by(TILES_AT_ONCE) {
+            let tiles = (self.tiles - first).min(TILES_AT_ONCE as u32);
+            let tile = TilePush { first, ..self.tile_push() };
+            // Hulls bring light to points, not to what pixels cover.
+            let push = LightPush {
+                tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
+                shade: self.shade,
+                jitter: frame.jitter(),
+                footprints: self.footprints.into(),
+                parts: TILE_SIDE,
+            };
+            let invocations = tiles * TILE_SIDE * TILE_SIDE;
+            recorder.pass("beams/gather")?.dispatch(&self.gather, &bindings, &push, invocations)?;
+            if let Some((kernel, volume)) = &self.volume {
+                let push = VolumeLightPush { tile, shade: self.shade, volume: *volume };
+                recorder.pass("beams/gather_volume")?.dispatch(kernel, &bindings, &push, invocations)?;
+            }
         }
         self.filter.as_ref().map_or(Ok(()), |filter| filter.record(frame, recorder))
     }
@@ -206,6 +230,10 @@ impl Accumulator {
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
             drawn: u32::from(self.hulls.is_some()),
+            first: 0,
+            padding0: 0,
+            padding1: 0,
+            padding2: 0,
         }
     }
 
