@@ -2,7 +2,7 @@
 //! sets, and how much pixels vary from frame to frame.
 //!
 //! `cargo bench --bench denoise` shows 32 frames of a sample each of the pool, still; `--moving yes` lets the scene's water
-//! run. `--scene`, `--camera`, `--layer`, `--size`, `--frames`, `--photons`, `--truth` (samples), `--device`, `--trace`,
+//! run. `--scene`, `--camera`, `--layer`, `--size`, `--frames`, `--photons`, `--truth` (samples), `--set`, `--device`, `--trace`,
 //! `--pictures` (a folder for the last frame of each run) and `--runs` (settings of `photons` joined by `+`, runs apart by
 //! `,`) change that. Prints a table and writes `target/bench/denoise.json`.
 //!
@@ -18,6 +18,7 @@ use nephroid::image::openexr;
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::scene;
 use nephroid::technique::TechniqueKind;
+use report::options;
 
 /// Frames whose errors are shown, counted from 1.
 const SHOWN: [u32; 4] = [1, 8, 16, 32];
@@ -50,7 +51,7 @@ struct Row {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options(std::env::args().skip(1))?;
+    let options = options()?;
     let shown: Vec<u32> = SHOWN.into_iter().filter(|frame| *frame <= options.frames).collect();
     let mut truth = renderer(&options, "", TRUTH_SEED)?;
     let mut truths = Vec::new();
@@ -108,6 +109,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn renderer(options: &Options, run: &str, seed: u32) -> Result<Renderer, Box<dyn Error>> {
     let photons = options.photons * if seed == TRUTH_SEED { TRUTH_PHOTONS } else { 1 };
     let mut set = vec![format!("photons.photons={photons}"), "photons.rescue=rays".to_string()];
+    set.extend(options.settings.set.iter().cloned());
     set.extend(run.split('+').filter(|item| !item.is_empty()).map(|item| format!("photons.{item}")));
     let samples = if seed == TRUTH_SEED { options.truth } else { 1 };
     let settings = RenderSettings { samples: Some(samples), seed, set, ..options.settings.clone() };
@@ -147,7 +149,7 @@ fn variation(frames: &[Vec<f32>]) -> f64 {
     ((0..pixels).map(variance).sum::<f64>() / pixels as f64).sqrt()
 }
 
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         scene: "scenes/pool.toml".into(),
         layer: "refracted".to_string(),
@@ -165,29 +167,17 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
             ..Default::default()
         },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
             "--scene" => options.scene = value.into(),
-            "--camera" => options.settings.camera = Some(value),
             "--layer" => options.layer = value,
             "--frames" => options.frames = value.parse::<u32>()?.max(1),
             "--photons" => options.photons = value.parse()?,
             "--truth" => options.truth = value.parse::<u32>()?.max(1),
             "--moving" => options.moving = value == "yes",
             "--pictures" => options.pictures = Some(value.into()),
-            "--device" => options.settings.device.device = Some(value),
-            "--trace" => options.settings.trace = value.parse()?,
             "--runs" => options.runs = value.split(',').map(String::from).collect(),
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.settings.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
     Ok(options)

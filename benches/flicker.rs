@@ -2,8 +2,8 @@
 //! against a truth's differences.
 //!
 //! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
-//! `--truth reference:16`, `--photons`, `--device`, `--trace` and `--runs mnee:4,reference:16` (technique:samples) change
-//! that. Prints a table and writes `target/bench/flicker.json`.
+//! `--truth reference:16`, `--photons`, `--set` (for the runs of its technique), `--device`, `--trace` and `--runs
+//! mnee:4,reference:16` (technique:samples) change that. Prints a table and writes `target/bench/flicker.json`.
 //!
 //! The truth is the mean of two runs of one technique with seeds of their own. Its noise is known from their difference and
 //! taken out of what is shown: of the mean square of (difference of frames - the truth's), half the mean square noise of
@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::technique::TechniqueKind;
 use nephroid::{scene, stats};
+use report::options;
 
 /// Seeds of the truth's two runs; the techniques' is 0.
 const TRUTH_SEEDS: [u32; 2] = [1, 2];
@@ -51,7 +52,7 @@ struct Row {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options(std::env::args().skip(1))?;
+    let options = options()?;
     let mut runs = Vec::new();
     for seed in TRUTH_SEEDS {
         runs.push(sequence(&options, options.truth.0, options.truth.1, seed)?.0);
@@ -89,7 +90,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         rows.push(row);
     }
-    let device = Renderer::new(scene::load(&options.scene)?, &options.settings)?.device().info.describe();
+    let settings = RenderSettings { set: Vec::new(), ..options.settings.clone() };
+    let device = Renderer::new(scene::load(&options.scene)?, &settings)?.device().info.describe();
     report::write(
         "flicker",
         serde_json::json!({
@@ -115,12 +117,12 @@ fn sequence(
     samples: u32,
     seed: u32,
 ) -> Result<(Vec<Picture>, f64), Box<dyn Error>> {
-    let set = match technique {
-        TechniqueKind::Reference => {
-            vec![format!("reference.photons={}", options.photons), "reference.paths=refracted-once".to_string()]
-        }
-        _ => Vec::new(),
-    };
+    let mut set = Vec::new();
+    if technique == TechniqueKind::Reference {
+        set = vec![format!("reference.photons={}", options.photons), "reference.paths=refracted-once".to_string()];
+    }
+    let own = format!("{}.", technique.name());
+    set.extend(options.settings.set.iter().filter(|item| item.starts_with(&own)).cloned());
     let settings = RenderSettings { technique, samples: Some(samples), seed, set, ..options.settings.clone() };
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &settings)?;
     let start = stats::cpu_seconds();
@@ -151,7 +153,7 @@ fn mean_square(a: &[Picture], b: &[Picture]) -> f64 {
     pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / pairs().count() as f64
 }
 
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         scene: "scenes/pool.toml".into(),
         layer: "refracted".to_string(),
@@ -166,27 +168,15 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<d
             ..Default::default()
         },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
             "--scene" => options.scene = value.into(),
-            "--camera" => options.settings.camera = Some(value),
             "--layer" => options.layer = value,
             "--frames" => options.frames = value.parse::<u32>()?.max(2),
             "--truth" => options.truth = run(&value)?,
             "--photons" => options.photons = value.parse()?,
-            "--device" => options.settings.device.device = Some(value),
-            "--trace" => options.settings.trace = value.parse()?,
             "--runs" => options.runs = value.split(',').map(run).collect::<Result<_, _>>()?,
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.settings.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
     Ok(options)

@@ -20,16 +20,14 @@ use std::path::PathBuf;
 
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::technique::TechniqueKind;
+use report::options;
 
 /// What was asked for; `None` and empty are each part's own choice.
 pub struct Options {
     scene: PathBuf,
-    camera: Option<String>,
     layer: String,
     truth: PathBuf,
     mask: Option<PathBuf>,
-    size: Option<(u32, u32)>,
-    samples: Option<u32>,
     adaptive: Vec<u32>,
     quads: Vec<u32>,
     parts: Vec<String>,
@@ -39,7 +37,7 @@ pub struct Options {
 const PARTS: [&str; 2] = ["quality", "scaling"];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options(std::env::args().skip(1))?;
+    let options = options()?;
     let mut results = serde_json::Map::new();
     for part in &options.parts {
         let result = if part == PARTS[0] { quality::measure(&options)? } else { scaling::measure(&options)? };
@@ -53,50 +51,30 @@ pub fn about(renderer: &Renderer) -> String {
     format!("{}, {}", renderer.device().info.describe(), renderer.tier())
 }
 
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         scene: "scenes/pool.toml".into(),
-        camera: None,
         layer: "refracted".to_string(),
         truth: "tests/truth/pool_under_120x90.exr".into(),
         mask: None,
-        size: None,
-        samples: None,
         adaptive: vec![4, 8, 12, 16, 32, 64],
         quads: vec![8, 32, 128, 256, 512, 1024],
         parts: PARTS.map(str::to_string).to_vec(),
         settings: RenderSettings { technique: TechniqueKind::Mnee, trace: "bvh".parse()?, ..Default::default() },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
             "--part" if PARTS.contains(&value.as_str()) => options.parts = vec![value],
             "--part" => return Err(format!("--part is \"{value}\"; allowed are {}", PARTS.join(" and ")).into()),
             "--scene" => options.scene = value.into(),
-            "--camera" => options.camera = Some(value),
             "--layer" => options.layer = value,
             "--truth" => options.truth = value.into(),
             "--mask" => options.mask = Some(value.into()),
-            "--samples" => options.samples = Some(value.parse()?),
-            "--adaptive" => options.adaptive = numbers(&value)?,
-            "--quads" => options.quads = numbers(&value)?,
-            "--trace" => options.settings.trace = value.parse()?,
-            "--device" => options.settings.device.device = Some(value),
-            "--set" => options.settings.set.push(value),
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            "--samples" => options.settings.samples = Some(value.parse()?),
+            "--adaptive" => options.adaptive = options::numbers(&value)?,
+            "--quads" => options.quads = options::numbers(&value)?,
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
     Ok(options)
-}
-
-fn numbers(list: &str) -> Result<Vec<u32>, Box<dyn Error>> {
-    list.split(',').map(|number| Ok(number.trim().parse()?)).collect()
 }

@@ -12,14 +12,13 @@
 mod report;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::technique::TechniqueKind;
 use nephroid::{scene, stats};
+use report::{Truth, options};
 
 /// What is compared; the first is what the others are held against.
 const SOLVERS: &[(&str, &[&str])] = &[
@@ -37,7 +36,6 @@ const UNBIASED: &str = "mnee.solver=sms-unbiased";
 
 struct Options {
     scene: PathBuf,
-    camera: String,
     layer: String,
     truth: PathBuf,
     mask: Option<PathBuf>,
@@ -55,12 +53,12 @@ struct Row {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options(std::env::args().skip(1))?;
-    let (expected, mask) = report::truth(&options.truth, options.mask.as_deref())?;
+    let options = options()?;
+    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
     let frame = RenderSettings { technique: TechniqueKind::None, ..options.settings.clone() };
     let (about, rows) = run(&options, &frame, None)?;
     let frame_seconds = rows.last().map_or(0.0, |row| row.seconds / f64::from(row.samples));
-    println!("{about}, camera {}", options.camera);
+    println!("{about}, camera {}", options.settings.camera.as_deref().unwrap_or_default());
     println!("the frame without caustics: {:.4} s a sample\n", frame_seconds);
     println!(
         "{:<10} {:>8} {:>9} {:>10} {:>9} {:>9} {:>9}",
@@ -71,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, set) in SOLVERS {
         let mut settings = RenderSettings { technique: TechniqueKind::Mnee, ..options.settings.clone() };
         settings.set.extend(set.iter().map(|s| s.to_string()));
-        let (_, rows) = run(&options, &settings, Some((&expected, &mask)))?;
+        let (_, rows) = run(&options, &settings, Some(&truth))?;
         if walk.is_empty() {
             walk = rows.clone();
         }
@@ -100,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn run(
     options: &Options,
     settings: &RenderSettings,
-    truth: Option<(&RgbImage, &Mask)>,
+    truth: Option<&Truth>,
 ) -> Result<(String, Vec<Row>), Box<dyn Error>> {
     let mut renderer = Renderer::new(scene::load(&options.scene)?, settings)?;
     let software = renderer.device().info.kind == "cpu";
@@ -119,7 +117,7 @@ fn run(
             continue;
         }
         let seconds = later * f64::from(done) / f64::from(done - 1);
-        let metrics = truth.map(|(truth, mask)| measure(&renderer, &options.layer, truth, mask)).transpose()?;
+        let metrics = truth.map(|truth| truth.error(&renderer, &options.layer)).transpose()?;
         let (rel_rmse, energy_ratio) = metrics.map_or((0.0, 0.0), |m| (m.rel_rmse, m.energy_ratio));
         rows.push(Row { samples: done, seconds, rel_rmse, energy_ratio });
         if seconds > options.seconds {
@@ -164,50 +162,31 @@ fn slower(walk: &[Row], row: &Row) -> Slower {
     Slower::Never
 }
 
-fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
-    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-    Ok(compare(&picture, truth, mask)?)
-}
-
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         scene: "scenes/pool.toml".into(),
-        camera: "under".to_string(),
         layer: "refracted".to_string(),
         truth: "tests/truth/pool_under_120x90.exr".into(),
         mask: None,
         seconds: 60.0,
         settings: RenderSettings {
+            camera: Some("under".to_string()),
             size: Some((120, 90)),
             samples: Some(64),
             trace: "bvh".parse()?,
             ..Default::default()
         },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
             "--scene" => options.scene = value.into(),
-            "--camera" => options.camera = value,
             "--layer" => options.layer = value,
             "--truth" => options.truth = value.into(),
             "--mask" => options.mask = Some(value.into()),
             "--seconds" => options.seconds = value.parse()?,
             "--samples" => options.settings.samples = Some(value.parse()?),
-            "--trace" => options.settings.trace = value.parse()?,
-            "--device" => options.settings.device.device = Some(value),
-            "--set" => options.settings.set.push(value),
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.settings.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
-    options.settings.camera = Some(options.camera.clone());
     Ok(options)
 }

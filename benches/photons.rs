@@ -26,74 +26,42 @@ mod run;
 use std::error::Error;
 use std::path::PathBuf;
 
-use nephroid::gpu::Device;
 use nephroid::render::RenderSettings;
 use nephroid::technique::TechniqueKind;
+use report::options;
+use report::parts::{self, Part};
 
-type Measure = fn(&Options, &Device) -> Result<serde_json::Value, Box<dyn Error>>;
-
-const PARTS: [(&str, Measure); 4] =
+const PARTS: [Part<Options>; 4] =
     [("quality", quality::measure), ("march", cost::march), ("order", cost::order), ("cost", cost::measure)];
 
 /// What was asked for; `None` is each part's own choice.
 pub struct Options {
     scene: Option<PathBuf>,
-    camera: Option<String>,
-    size: Option<(u32, u32)>,
     photons: Vec<u32>,
     reference: u32,
     settings: RenderSettings,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (parts, options) = options(std::env::args().skip(1))?;
-    // One for all runs, so that kernels are compiled once.
-    let device = Device::open(&options.settings.device)?;
-    println!("{}\n", device.info.describe());
-    let mut results = serde_json::Map::new();
-    results.insert("device".to_string(), device.info.describe().into());
-    for (name, measure) in PARTS {
-        if parts.is_empty() || parts.iter().any(|part| part == name) {
-            results.insert(name.to_string(), measure(&options, &device)?);
-        }
-    }
-    report::write("photons", results.into())
+    let (parts, options) = options()?;
+    parts::measure("photons", &PARTS, &parts, &options, &options.settings.device)
 }
 
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<(Vec<String>, Options), Box<dyn Error>> {
+fn options() -> Result<(Vec<String>, Options), Box<dyn Error>> {
     let mut parts = Vec::new();
     let mut options = Options {
         scene: None,
-        camera: None,
-        size: None,
         photons: vec![500_000, 1_000_000, 2_000_000],
         reference: 32,
         settings: RenderSettings { technique: TechniqueKind::Photons, trace: "cwbvh".parse()?, ..Default::default() },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
-            "--part" if PARTS.iter().any(|(part, _)| *part == value) => parts.push(value),
-            "--part" => {
-                let names = PARTS.map(|(part, _)| part).join(", ");
-                return Err(format!("--part is \"{value}\"; allowed are {names}").into());
-            }
+            "--part" => parts.push(parts::named(&PARTS, value)?),
             "--scene" => options.scene = Some(value.into()),
-            "--camera" => options.camera = Some(value),
-            "--photons" => options.photons = value.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>()?,
+            "--photons" => options.photons = options::numbers(&value)?,
             "--reference" => options.reference = value.parse()?,
-            "--trace" => options.settings.trace = value.parse()?,
-            "--device" => options.settings.device.device = Some(value),
-            "--set" => options.settings.set.push(value),
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
     Ok((parts, options))

@@ -8,16 +8,14 @@
 mod report;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::{scene, stats};
+use report::{Truth, options};
 
 struct Options {
     scene: PathBuf,
-    camera: String,
     layer: String,
     truth: PathBuf,
     mask: Option<PathBuf>,
@@ -25,10 +23,15 @@ struct Options {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options(std::env::args().skip(1))?;
-    let (expected, mask) = report::truth(&options.truth, options.mask.as_deref())?;
+    let options = options()?;
+    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &options.settings)?;
-    println!("{}, {}, camera {}", renderer.device().info.describe(), renderer.tier(), options.camera);
+    println!(
+        "{}, {}, camera {}",
+        renderer.device().info.describe(),
+        renderer.tier(),
+        options.settings.camera.as_deref().unwrap_or_default()
+    );
     println!("{:>8} {:>8} {:>9} {:>9} {:>9} {:>7}", "samples", "CPU s", "relRMSE", "energy", "noise", "ratio");
     let start = stats::cpu_seconds();
     let (mut rows, mut before) = (Vec::new(), None::<f64>);
@@ -38,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let seconds = stats::cpu_seconds() - start;
-        let metrics = measure(&renderer, &options.layer, &expected, &mask)?;
+        let metrics = truth.error(&renderer, &options.layer)?;
         let ratio = before.map(|b| metrics.rel_rmse / b);
         println!(
             "{:>8} {seconds:>8.1} {:>8.2}% {:>9.5} {:>8.2}% {:>7}",
@@ -67,43 +70,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     report::write("reference", results)
 }
 
-fn measure(renderer: &Renderer, layer: &str, truth: &RgbImage, mask: &Mask) -> Result<Metrics, Box<dyn Error>> {
-    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-    Ok(compare(&picture, truth, mask)?)
-}
-
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn Error>> {
+fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         scene: "scenes/pool.toml".into(),
-        camera: "under".to_string(),
         layer: "refracted".to_string(),
         truth: "tests/truth/pool_under_120x90.exr".into(),
         mask: None,
-        settings: RenderSettings { size: Some((120, 90)), samples: Some(64), ..Default::default() },
+        settings: RenderSettings {
+            camera: Some("under".to_string()),
+            size: Some((120, 90)),
+            samples: Some(64),
+            ..Default::default()
+        },
     };
-    while let Some(name) = arguments.next() {
-        // Cargo passes --bench to every bench.
-        if name == "--bench" {
-            continue;
-        }
-        let value = arguments.next().ok_or(format!("{name} needs a value"))?;
+    for (name, value) in options::given()? {
         match name.as_str() {
             "--scene" => options.scene = value.into(),
-            "--camera" => options.camera = value,
             "--layer" => options.layer = value,
             "--truth" => options.truth = value.into(),
             "--mask" => options.mask = Some(value.into()),
             "--samples" => options.settings.samples = Some(value.parse()?),
-            "--trace" => options.settings.trace = value.parse()?,
-            "--device" => options.settings.device.device = Some(value),
-            "--set" => options.settings.set.push(value),
-            "--size" => {
-                let (width, height) = value.split_once('x').ok_or("--size wants WxH")?;
-                options.settings.size = Some((width.parse()?, height.parse()?));
-            }
-            other => return Err(format!("unknown option {other}").into()),
+            _ => options::put(&mut options.settings, (name, value))?,
         }
     }
-    options.settings.camera = Some(options.camera.clone());
     Ok(options)
 }

@@ -1,7 +1,5 @@
 //! Compiles every kernel, in parallel, and only what changed: results are kept under the hash of their source.
 
-mod compile;
-
 use std::collections::hash_map::DefaultHasher;
 use std::fmt::Write as _;
 use std::hash::{Hash, Hasher};
@@ -9,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use compile::Job;
+use nephroid_kernel_compiler::{self as compiler, Job};
 
 fn main() {
     let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    for folder in ["build.rs", "compile.rs", "shared", "trace", "animate", "frame", "light", "technique", "selftest"] {
+    for folder in ["build.rs", "shared", "trace", "animate", "frame", "light", "technique", "selftest"] {
         println!("cargo::rerun-if-changed={}", root.join(folder).display());
     }
     if let Err(message) = build(&root, &out) {
@@ -26,7 +24,7 @@ fn main() {
 }
 
 fn build(root: &Path, out: &Path) -> Result<(), String> {
-    let jobs = compile::jobs(root)?;
+    let jobs = compiler::jobs(root)?;
     let files: Vec<PathBuf> = jobs.iter().map(|job| out.join(format!("{:016x}.spv", hash(&job.source)))).collect();
     compile_missing(&jobs, &files)?;
     let table = table(&jobs, &files);
@@ -66,7 +64,7 @@ fn compile_to(job: &Job, file: &Path) -> Result<(), String> {
     if file.is_file() {
         return Ok(());
     }
-    let bytes: Vec<u8> = compile::compile(job)?.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let bytes: Vec<u8> = compiler::compile(job)?.iter().flat_map(|word| word.to_le_bytes()).collect();
     // Renamed into place, so that a build that is killed leaves no half module behind.
     let temporary = file.with_extension(format!("{}.{}.tmp", job.name.replace('/', "-"), job.variant));
     std::fs::write(&temporary, bytes)

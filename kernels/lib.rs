@@ -2,6 +2,8 @@
 //!
 //! A kernel that traces rays is here once per tracing back-end, under `variant`.
 
+use std::path::Path;
+
 /// One SPIR-V module.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelSource {
@@ -29,18 +31,7 @@ pub fn find(name: &str, stage: &str, variant: &str) -> Option<&'static KernelSou
     KERNELS.iter().find(|k| k.name == name && k.stage == stage && k.variant == variant)
 }
 
-#[cfg(feature = "compiler")]
-mod compile;
-
-/// Compilation while the program runs, for hot reload.
-#[cfg(feature = "compiler")]
-pub mod compiler {
-    use std::path::Path;
-
-    pub use crate::compile::{Job, compile, jobs};
-
-    /// Where the kernels' sources were when the program was built.
-    pub fn source_folder() -> &'static Path {
-        Path::new(env!("CARGO_MANIFEST_DIR"))
-    }
+/// Where the kernels' sources were when the program was built.
+pub fn source_folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }

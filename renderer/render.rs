@@ -126,42 +126,31 @@ impl Renderer {
     }
 
     /// As [`new`](Self::new), on a device that is open; what `settings` say of one is not looked at.
-    pub fn with_device(device: Device, mut scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+    pub fn with_device(device: Device, scene: Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let started = Instant::now();
         let technique_settings = Self::check(&scene, settings)?;
-        let camera_name = camera(&scene, settings.camera.as_deref())?.name.clone();
         let size = settings.size.unwrap_or((scene.film.width, scene.film.height));
         let samples = settings.samples.unwrap_or(scene.film.samples);
         let sampling = if settings.adaptive { Sampling::Adaptive { samples } } else { Sampling::Uniform };
         let span = spans::span("upload scene");
-        let mut gpu_scene = GpuScene::new(&device, &scene)?;
+        let gpu_scene = GpuScene::new(&device, &scene)?;
         drop(span);
         let mut animator = Animator::new(&device, &scene, &gpu_scene)?;
         // Built at time 0 whatever the frame, so that a frame has the same structures however it is come to.
         let span = spans::span("build tracing structures");
-        let (mut tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
+        let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         drop(span);
-        let mut passes = Vec::new();
         if settings.motion {
             animator.keep_previous(&gpu_scene)?;
         }
-        if scene.animation.moves() || settings.motion {
-            let span = spans::span("animate");
-            let moved = animator.go_to(settings.frame, &mut scene, &mut gpu_scene)?;
-            stats::add_times(&mut passes, &moved.times);
-            drop(span);
-            let _span = spans::span("refit");
-            stats::add_times(&mut passes, &tracer.update(&device, &scene, &gpu_scene, &moved.meshes)?);
-            animator.followed();
-        }
-        let camera = camera(&scene, Some(&camera_name))?.clone();
+        let camera = camera(&scene, settings.camera.as_deref())?.clone();
         let motion = settings.motion.then(|| MotionVectors::new(&device, &tracer)).transpose()?;
         let mut renderer = Renderer {
             device,
             scene,
             gpu_scene,
             animator,
-            frame: settings.frame,
+            frame: 0,
             tracer,
             trace_choice: choice.reason,
             motion,
@@ -177,9 +166,10 @@ impl Renderer {
             seed: settings.seed,
             bands: Vec::new(),
             done: 0,
-            passes,
+            passes: Vec::new(),
             started,
         };
+        renderer.move_to(settings.frame)?;
         renderer.make_bands()?;
         Ok(renderer)
     }
@@ -210,26 +200,34 @@ impl Renderer {
     /// Goes to a frame of the scene's animation and forgets all samples.
     pub fn go_to(&mut self, frame: u32) -> Result<(), RenderError> {
         check_frame(&self.scene, frame)?;
-        self.frame = frame;
         self.passes.clear();
-        if self.scene.animation.moves() {
-            let span = spans::span("animate");
-            let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
-            stats::add_times(&mut self.passes, &moved.times);
-            drop(span);
-            if let Some(lights) = &self.lights {
-                self.scene.lights.clone_from(lights);
-                self.gpu_scene.follow(&self.scene)?;
-            }
-            let _span = spans::span("refit");
-            let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
-            self.animator.followed();
-            stats::add_times(&mut self.passes, &times);
-            if self.own_camera {
-                self.camera = camera(&self.scene, Some(&self.camera.name))?.clone();
-            }
-        }
+        self.move_to(frame)?;
         self.start_over()
+    }
+
+    /// Takes the scene, its copy on the device, the tracing structures and the scene's own camera to a frame.
+    fn move_to(&mut self, frame: u32) -> Result<(), RenderError> {
+        self.frame = frame;
+        if !self.scene.animation.moves() && self.motion.is_none() {
+            return Ok(());
+        }
+        let span = spans::span("animate");
+        let moved = self.animator.go_to(frame, &mut self.scene, &mut self.gpu_scene)?;
+        stats::add_times(&mut self.passes, &moved.times);
+        drop(span);
+        if let Some(lights) = &self.lights {
+            self.scene.lights.clone_from(lights);
+            self.gpu_scene.follow(&self.scene)?;
+        }
+        let span = spans::span("refit");
+        let times = self.tracer.update(&self.device, &self.scene, &self.gpu_scene, &moved.meshes)?;
+        stats::add_times(&mut self.passes, &times);
+        self.animator.followed();
+        drop(span);
+        if self.own_camera {
+            self.camera = camera(&self.scene, Some(&self.camera.name))?.clone();
+        }
+        Ok(())
     }
 
     /// The frame of the scene's animation that is shown.

@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::text::FLOOR;
 use common::{Case, Request, assert_valid, layer};
 use nephroid::film::{self, SampleCounts};
 use nephroid::frame::{Frame, Sampling};
@@ -15,9 +16,9 @@ use nephroid::scene::{self, Scene};
 use nephroid::trace::{self, TraceChoice};
 use nephroid::view::{Band, View};
 
-/// Pixels each way: enough that the mean over a quarter of them has a standard error of about 2 %.
-const SIDE: u32 = 256;
-/// Of the estimate's own standard error. Counts chosen from a pixel's own pilot are off by a dozen of them and more.
+/// Pixels each way: enough that the mean over a quarter of them has a standard error of about 4 %.
+const SIDE: u32 = 128;
+/// Of the estimate's own standard error. Counts chosen from a pixel's own pilot are off by half a dozen of them and more.
 const SIGMAS: f64 = 4.0;
 /// Rounding of f32 over a path and a sum of a few samples.
 const CLOSED_FORM: f32 = 1e-4;
@@ -31,30 +32,12 @@ fn main() -> ExitCode {
     ])
 }
 
-/// A lit floor under a camera that sees nothing else.
-const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 1
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
-[[light]]
-name = "sun"
-kind = "directional"
-direction = [0, -1, 0]
-irradiance = [1, 2, 3]
-"#;
+/// The floor, lit, and close enough to show nothing else.
+fn floor() -> Scene {
+    let sun = "[[light]]\nname = \"sun\"\nkind = \"directional\"\ndirection = [0, -1, 0]\nirradiance = [1, 2, 3]\n";
+    let text = format!("{}{sun}", FLOOR.replace("fov_y = 60", "fov_y = 1"));
+    scene::parse(&text, Path::new("test.toml")).unwrap()
+}
 
 /// A picture of `selftest/spikes` and how many samples each pixel got.
 struct Rendered {
@@ -83,7 +66,7 @@ impl Rendered {
 
 /// `rounds` of `samples` samples a pixel.
 fn spikes(request: &Request, samples: u32, rounds: u32, seed: u32) -> Rendered {
-    let scene: Scene = scene::parse(FLOOR, Path::new("test.toml")).unwrap();
+    let scene = floor();
     let device: Device = request.open();
     let gpu_scene = GpuScene::new(&device, &scene).unwrap();
     let (tracer, _) = trace::choose(&device, &scene, &gpu_scene, TraceChoice::Bvh).unwrap();

@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::pool::coarse;
 use common::{Case, Request, assert_valid, layer};
 use glam::Vec3;
 use nephroid::render::{Picture, RenderSettings, Renderer};
@@ -21,13 +22,6 @@ fn main() -> ExitCode {
         Case { name: "a_frame_alone_is_the_frame_in_its_row", needs: &[], disable: "", run: frame_alone },
         Case { name: "keys_move_camera_objects_and_lights", needs: &[], disable: "", run: keyed },
     ])
-}
-
-/// The pool with less water, so that it is quick.
-fn pool() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/pool.toml");
-    let text = std::fs::read_to_string(&path).unwrap().replace("quads = [256, 256]", "quads = [64, 64]");
-    scene::parse(&text, &path).unwrap()
 }
 
 fn settings(request: &Request, technique: TechniqueKind, set: &[&str]) -> RenderSettings {
@@ -55,14 +49,14 @@ fn frame_alone(request: &Request) {
         [(TechniqueKind::Mnee, &[][..]), (TechniqueKind::Reference, &["reference.photons=20000"][..])]
     {
         let settings = settings(request, technique, set);
-        let mut row = request.renderer(pool(), &settings);
+        let mut row = request.renderer(coarse("pool.toml"), &settings);
         let first = picture(&mut row);
         for frame in [1, FRAME] {
             row.go_to(frame).unwrap();
         }
         let after_others = picture(&mut row);
         assert_valid(row.device());
-        let mut alone = request.renderer(pool(), &RenderSettings { frame: FRAME, ..settings });
+        let mut alone = request.renderer(coarse("pool.toml"), &RenderSettings { frame: FRAME, ..settings });
         let alone = picture(&mut alone);
         for name in ["final", "caustic"] {
             assert_eq!(layer(&after_others.image, name), layer(&alone.image, name), "{} {name}", technique.name());

@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::text::FLOOR;
 use common::{Case, Request, assert_valid, layer};
 use nephroid::display::{Display, Look};
 use nephroid::film::{self, SampleCounts};
@@ -69,25 +70,6 @@ fn relative(test: &[[f32; 3]], truth: &[[f32; 3]]) -> f64 {
     let size: f64 = truth.iter().map(|b| square(b, &[0.0; 3])).sum();
     (error / size.max(1e-300)).sqrt()
 }
-
-const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 60
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
-"#;
 
 /// Water on the floor, with a lamp in it and one above: one's light is direct, the other's caustic.
 const WATER: &str = r#"

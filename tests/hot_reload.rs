@@ -6,15 +6,16 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::text::FLOOR;
 use common::{Case, Request, assert_valid};
 use nephroid::gpu::{Capability, Device, KernelWatch, ReloadReport};
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::scene;
 use nephroid::technique::TechniqueKind;
-use nephroid_kernels::compiler;
 use tempfile::TempDir;
 
 const DIRECT: &str = "frame/direct.comp.glsl";
+const INCLUDE: &str = "shared/brightness.glsl";
 const FRAGMENT: &str = "frame/visibility.frag.glsl";
 
 /// Sums of a few f32 of one size in another order.
@@ -41,7 +42,7 @@ struct Bench {
 impl Bench {
     fn new(request: &Request) -> Self {
         let folder = TempDir::new().unwrap();
-        copy(compiler::source_folder(), folder.path());
+        copy(nephroid_kernels::source_folder(), folder.path());
         let settings = RenderSettings {
             device: request.device.clone(),
             trace: "bvh".parse().unwrap(),
@@ -49,7 +50,8 @@ impl Bench {
             size: Some((8, 6)),
             ..Default::default()
         };
-        let renderer = Renderer::new(scene::parse(FLOOR, Path::new("test.toml")).unwrap(), &settings).unwrap();
+        let renderer =
+            Renderer::new(scene::parse(&format!("{FLOOR}{LAMP}"), Path::new("test.toml")).unwrap(), &settings).unwrap();
         let mut watch = KernelWatch::new(renderer.device(), folder.path()).unwrap();
         assert_eq!(watch.poll(), [], "the copy is what was built in");
         Bench { folder, renderer, watch }
@@ -145,13 +147,19 @@ fn changed(request: &Request) {
 
 fn included(request: &Request) {
     let mut bench = Bench::new(request);
+    // Of its own: one that other kernels include would have the driver compile those for half a minute.
+    fs::write(bench.folder.path().join(INCLUDE), "const float BRIGHTNESS = 1.0;\n").unwrap();
+    bench.edit(
+        DIRECT,
+        "#include \"shared/film.glsl\"\n",
+        &format!("#include \"shared/film.glsl\"\n#include \"{INCLUDE}\"\n"),
+    );
     let before = bench.layer("direct", 1);
-    // The Lambertian 1/pi of direct light comes from here.
-    bench.edit("shared/math.glsl", "const float PI = 3.", "const float PI = 0.5 * 3.");
-    let reports = bench.watch.poll();
-    let reloaded =
-        |name: &str| reports.iter().any(|r| matches!(r, ReloadReport::Reloaded { kernel } if kernel.starts_with(name)));
-    assert!(reloaded("frame/direct"), "{reports:?}");
+    bench.edit(DIRECT, RADIANCE, "vec4(BRIGHTNESS * radiance, 0.0)");
+    bench.watch.poll();
+    assert_eq!(bench.layer("direct", 1), before);
+    bench.edit(INCLUDE, "1.0", "2.0");
+    bench.expect_reload_of("frame/direct");
     assert_eq!(bench.layer("direct", 1), doubled(&before));
 }
 
@@ -233,23 +241,7 @@ fn no_folder(request: &Request) {
     }
 }
 
-const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 60
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
+const LAMP: &str = r#"
 [[light]]
 name = "lamp"
 kind = "point"

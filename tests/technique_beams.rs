@@ -16,6 +16,8 @@ mod pictures;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::measure::{assert_finite, counter, difference, sum, watts};
+use common::pool::coarse;
 use common::{Case, Request};
 use nephroid::gpu::Capability;
 use nephroid::render::{Picture, RenderSettings};
@@ -47,10 +49,8 @@ fn load(name: &str) -> Scene {
     scene::load(&Path::new("scenes").join(name)).unwrap()
 }
 
-/// The pool with less water, so that it is quick.
 fn pool() -> Scene {
-    let text = std::fs::read_to_string("scenes/pool.toml").unwrap().replace("quads = [256, 256]", "quads = [64, 64]");
-    scene::parse(&text, Path::new("scenes/pool.toml")).unwrap()
+    coarse("pool.toml")
 }
 
 /// A picture by beams that `change` sets up further.
@@ -64,34 +64,11 @@ fn render(request: &Request, scene: Scene, set: &[&str], change: impl FnOnce(&mu
     })
 }
 
-fn watts(picture: &Picture, name: &str) -> f64 {
-    picture.stats.ledger.iter().find(|entry| entry.name == name).unwrap().watts
-}
-
-fn counter(picture: &Picture, name: &str) -> f64 {
-    picture.stats.counters.iter().find(|entry| entry.name == name).unwrap().value
-}
-
 /// Asks that nothing was left out for being no number, or for want of room.
 fn assert_sound(picture: &Picture) {
     for entry in &picture.stats.counters {
         let wrong = entry.name.contains("non_finite") || entry.name.ends_with("_dropped");
         assert!(!wrong || entry.value == 0.0, "{} {}", entry.value, entry.name);
     }
-    for layer in &picture.image.layers {
-        for channel in &layer.channels {
-            assert!(channel.samples.iter().all(|v| v.is_finite()), "layer {} {}", layer.name, channel.name);
-        }
-    }
-}
-
-/// RMS difference over the mean, green.
-fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a[1] - b[1]).powi(2)).sum();
-    (squares * b.len() as f64).sqrt() / sum(b)
-}
-
-/// Of green.
-fn sum(pixels: &[[f32; 3]]) -> f64 {
-    pixels.iter().map(|p| f64::from(p[1])).sum()
+    assert_finite(picture);
 }

@@ -8,10 +8,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use common::pool::flat_water_irradiance;
+use common::truth::Truth;
 use common::{Case, Request, layer};
 use glam::{Affine3A, Quat, Vec3};
 use mnee::{AIR, Receiver, WATER, ask, lamp, oracle_irradiances, pool, sun};
-use nephroid::image;
 use nephroid::random;
 use nephroid::scene::{self, Light, Mesh, Scene};
 use nephroid::technique::TechniqueKind;
@@ -265,24 +265,17 @@ fn walks(request: &Request) {
 
 fn truth(request: &Request) {
     for (camera, bound) in [("under", TRUTH_UNDER), ("above", TRUTH_ABOVE)] {
-        let truth = image::read(Path::new(&format!("tests/truth/pool_{camera}_120x90.exr"))).unwrap();
-        let expected = layer(&truth, "final");
-        let mask = truth.layer("mask").unwrap().channels[0].samples.clone();
+        let truth = Truth::of_pool(camera, 2);
         let picture = request.render(scene::load(Path::new("scenes/pool.toml")).unwrap(), |s| {
             s.technique = TechniqueKind::Mnee;
             s.camera = Some(camera.to_string());
-            s.size = Some((120, 90));
+            s.size = Some(truth.size);
             s.samples = Some(16);
         });
-        let found = layer(&picture.image, "refracted");
-        let inside = || found.iter().zip(&expected).zip(&mask).filter(|(_, m)| **m > 0.5).map(|(pair, _)| pair);
-        let count = inside().count() as f64;
-        let mean = inside().map(|(_, e)| f64::from(e[1])).sum::<f64>() / count;
-        let energy = inside().map(|(f, _)| f64::from(f[1])).sum::<f64>() / count / mean;
-        let squares = inside().map(|(f, e)| f64::from(f[1] - e[1]).powi(2)).sum::<f64>() / count;
-        println!("{camera}: relRMSE {:.4}, energy {energy:.5}", squares.sqrt() / mean);
+        let (energy, rel_rmse) = truth.against(&layer(&picture.image, "refracted"));
+        println!("{camera}: relRMSE {rel_rmse:.4}, energy {energy:.5}");
         assert!((energy - 1.0).abs() < 0.005, "{camera}: energy {energy}");
-        assert!(squares.sqrt() / mean < bound, "{camera}: {}", squares.sqrt() / mean);
+        assert!(rel_rmse < bound, "{camera}: {rel_rmse}");
     }
 }
 

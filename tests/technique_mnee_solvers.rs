@@ -3,14 +3,13 @@
 
 mod common;
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use common::pool::{flat_water_irradiance, floor_point};
+use common::measure::counter;
+use common::pool::{coarse, flat_water_irradiance, floor_point};
 use common::{Case, Request, layer};
 use nephroid::random;
 use nephroid::render::Picture;
-use nephroid::scene;
 use nephroid::technique::TechniqueKind;
 
 fn main() -> ExitCode {
@@ -37,7 +36,7 @@ const CONFIDENCE: f64 = 4.0;
 
 /// A picture by `mnee`, of the camera under the water where the scene has one.
 fn render(request: &Request, scene: &str, size: (u32, u32), samples: u32, set: &[&str]) -> Picture {
-    let scene = scene::load(&Path::new("scenes").join(scene)).unwrap();
+    let scene = coarse(scene);
     let under = scene.cameras.iter().find(|camera| camera.name == "under").map(|camera| camera.name.clone());
     request.render(scene, |s| {
         s.technique = TechniqueKind::Mnee;
@@ -50,10 +49,6 @@ fn render(request: &Request, scene: &str, size: (u32, u32), samples: u32, set: &
 
 fn caustic(picture: &Picture) -> Vec<f64> {
     layer(&picture.image, "caustic").iter().map(|p| f64::from(p[1])).collect()
-}
-
-fn counter(picture: &Picture, name: &str) -> f64 {
-    picture.stats.counters.iter().find(|c| c.name == name).unwrap().value
 }
 
 /// What one sample of flat water shows at each floor pixel over what it should, at the very points that it sees.

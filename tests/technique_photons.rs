@@ -17,6 +17,7 @@ mod reference;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::measure::{assert_finite, counter, difference, sum, watts};
 use common::{Case, Request};
 use nephroid::render::{Picture, RenderSettings};
 use nephroid::scene::{self, Scene};
@@ -79,14 +80,6 @@ fn render(request: &Request, scene: Scene, set: &[&str], change: impl FnOnce(&mu
     })
 }
 
-fn watts(picture: &Picture, name: &str) -> f64 {
-    picture.stats.ledger.iter().find(|entry| entry.name == name).unwrap().watts
-}
-
-fn counter(picture: &Picture, name: &str) -> f64 {
-    picture.stats.counters.iter().find(|entry| entry.name == name).unwrap().value
-}
-
 /// Asks that nothing was left out for being no number, or for want of room or steps.
 fn assert_sound(picture: &Picture) {
     assert_eq!(watts(picture, "non_finite"), 0.0);
@@ -94,23 +87,4 @@ fn assert_sound(picture: &Picture) {
         assert_eq!(counter(picture, name), 0.0, "{name}");
     }
     assert_finite(picture);
-}
-
-fn assert_finite(picture: &Picture) {
-    for layer in &picture.image.layers {
-        for channel in &layer.channels {
-            assert!(channel.samples.iter().all(|v| v.is_finite()), "layer {} {}", layer.name, channel.name);
-        }
-    }
-}
-
-/// RMS difference over the mean, green.
-fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a[1] - b[1]).powi(2)).sum();
-    (squares * b.len() as f64).sqrt() / sum(b)
-}
-
-/// Of green.
-fn sum(pixels: &[[f32; 3]]) -> f64 {
-    pixels.iter().map(|p| f64::from(p[1])).sum()
 }

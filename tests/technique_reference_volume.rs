@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::measure::watts;
 use common::pool::{FlatPart, against_flat_water, first_water_stretch, flat_water_inscatter, turbid_flat_pool};
 use common::smoke::{against_pane, pane};
 use common::{Case, Request, layer};
@@ -49,7 +50,7 @@ fn flat_water(request: &Request) {
             assert!((found / expected - 1.0).abs() < 1e-3, "row {row}, column {column}: {found}, not {expected}");
         }
     }
-    let size = (48, 36);
+    let size = (32, 24);
     let set = ["reference.photons=10000", "reference.volume_photons=100000", "reference.reuse=1"];
     for asymmetry in [0.0, 0.7] {
         let errors = [2, 16].map(|samples| {
@@ -120,10 +121,6 @@ fn path_classes(request: &Request) {
     assert!(((refracted + reflected + mixed) / all - 1.0).abs() < 0.02);
     assert!(((once + rest) / all - 1.0).abs() < 0.02);
     assert!(once < refracted);
-}
-
-fn watts(picture: &Picture, name: &str) -> f64 {
-    picture.stats.ledger.iter().find(|e| e.name == name).unwrap().watts
 }
 
 fn ledger(request: &Request) {

@@ -44,7 +44,7 @@ pub fn measure(asked: &crate::Options, device: &Device) -> Result<serde_json::Va
     println!("{} beams under flat water\nwater  tier                CPU-s      drawn", beams.len());
     let mut rows = Vec::new();
     for (water, text) in [("clear", clear), ("turbid", turbid)] {
-        let size = asked.size.unwrap_or(SIZE);
+        let size = asked.settings.size.unwrap_or(SIZE);
         let mut stage = Stage::on(device.clone(), scene::parse(&text, path)?, size, Sampling::Uniform);
         for (tier, options) in tiers {
             let accumulator = stage.accumulator(&beams, options);

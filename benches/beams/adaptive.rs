@@ -9,7 +9,9 @@ use std::path::PathBuf;
 use nephroid::gpu::Device;
 
 use crate::Options;
-use crate::run::{Run, Split, Truth, items, settings};
+use crate::report::Truth;
+use crate::report::run::Run;
+use crate::run::{Split, items, settings, truth};
 
 /// Pixels that an edge's middle may land beside the mean of its ends: from where to where, and how often the range is
 /// halved, by its logarithm.
@@ -37,7 +39,7 @@ struct Bench<'a> {
 }
 
 pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
-    let truth = Truth::of(options, options.camera.as_deref().unwrap_or(CAMERA))?;
+    let truth = truth(options, options.settings.camera.as_deref().unwrap_or(CAMERA))?;
     let bench = Bench { options, device, truth };
     let mut rows = Vec::new();
     println!("grid                       beams  relRMSE   energy fragments  made ms added ms");
@@ -104,13 +106,13 @@ impl Bench<'_> {
 
     fn row(&self, name: String, set: &[(&str, String)]) -> Result<Row, Box<dyn Error>> {
         let run = self.run(set, &[])?;
-        let metrics = run.error(&self.truth, &self.options.layer)?;
+        let metrics = self.truth.error(&run.renderer, &self.options.layer)?;
         let row = Row {
             name,
             beams: run.counter("beams")?,
             rel_rmse: metrics.rel_rmse,
             energy_ratio: metrics.energy_ratio,
-            split: run.split()?,
+            split: Split::of(&run)?,
             fragments: None,
         };
         print(&row);

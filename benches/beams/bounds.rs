@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use nephroid::gpu::Device;
 
 use crate::Options;
-use crate::run::{Run, Split, items, settings};
+use crate::report::run::Run;
+use crate::run::{Split, items, settings};
 
 const SIZE: (u32, u32) = (240, 180);
 const SCENES: [&str; 2] = ["scenes/pool.toml", "scenes/turbid_pool.toml"];
@@ -38,7 +39,7 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
                     bounds,
                     beams: run.counter("beams")?,
                     drawn: run.counter("beam_fragments_drawn")?,
-                    split: run.split()?,
+                    split: Split::of(&run)?,
                 };
                 print(&row);
                 rows.push(row);

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use nephroid::gpu::Device;
 
 use crate::Options;
-use crate::run::{Run, Truth, items, settings};
+use crate::report::Truth;
+use crate::report::run::Run;
+use crate::run::{dropped, items, settings, truth};
 
 /// relRMSE to come below.
 const GOALS: [f64; 3] = [0.10, 0.05, 0.02];
@@ -33,8 +35,8 @@ struct Row {
 pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
     let all = || CAMERAS.map(String::from).to_vec();
     let mut rows = Vec::new();
-    for camera in options.camera.clone().map_or_else(all, |camera| vec![camera]) {
-        let truth = Truth::of(options, &camera)?;
+    for camera in options.settings.camera.clone().map_or_else(all, |camera| vec![camera]) {
+        let truth = truth(options, &camera)?;
         println!("camera {camera}, {:?} pixels\nlevels samples     beams  relRMSE    energy  CPU-s", truth.size());
         let mut found = Vec::new();
         for &levels in &options.levels {
@@ -77,13 +79,13 @@ fn row_of_doublings(
         if !run.renderer.done().is_power_of_two() {
             continue;
         }
-        let metrics = run.error(truth, &options.layer)?;
+        let metrics = truth.error(&run.renderer, &options.layer)?;
         let row = Row {
             camera: camera.to_string(),
             levels,
             samples: run.renderer.done(),
             beams: run.counter("beams")?,
-            dropped: run.dropped()?,
+            dropped: dropped(&run)?,
             rel_rmse: metrics.rel_rmse,
             energy_ratio: metrics.energy_ratio,
             seconds: run.seconds,

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use nephroid::gpu::Device;
 
 use crate::Options;
-use crate::run::{Run, Split, settings};
+use crate::report::run::Run;
+use crate::run::{Split, settings};
 
 const SIZE: (u32, u32) = (256, 192);
 const SCENES: [&str; 7] = ["pool", "turbid_pool", "glass_sphere", "water_sphere", "smoke", "skull", "cup"];
@@ -27,7 +28,7 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
     for scene in scenes {
         let mut run = Run::new(device, &scene, &settings(options, None, SIZE, &[]))?;
         run.sample()?;
-        let row = Row { scene, beams: run.counter("beams")?, split: run.split()?, seconds: run.seconds };
+        let row = Row { scene, beams: run.counter("beams")?, split: Split::of(&run)?, seconds: run.seconds };
         println!(
             "{:<17} {:>9} {:>8.0} {:>8.0} {:>8.0} {:>6.2}",
             row.scene.file_stem().unwrap_or_default().to_string_lossy(),
@@ -40,5 +41,5 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
         rows.push(row);
     }
     println!();
-    Ok(serde_json::json!({ "size": options.size.unwrap_or(SIZE), "rows": rows }))
+    Ok(serde_json::json!({ "size": options.settings.size.unwrap_or(SIZE), "rows": rows }))
 }

@@ -6,15 +6,14 @@
 //! 20 s in the first sample of each run.
 
 use std::error::Error;
-use std::path::Path;
 use std::time::Instant;
 
-use nephroid::image::metrics::{Metrics, compare};
-use nephroid::image::{Mask, RgbImage};
+use nephroid::image::metrics::Metrics;
 use nephroid::render::{RenderSettings, Renderer};
 use nephroid::{scene, stats};
 
-use crate::{Options, about, report};
+use crate::report::Truth;
+use crate::{Options, about};
 
 const SIZE: (u32, u32) = (120, 90);
 const SAMPLES: u32 = 64;
@@ -43,11 +42,6 @@ struct SetUp {
     surface_milliseconds: f64,
 }
 
-struct Truth {
-    picture: RgbImage,
-    mask: Mask,
-}
-
 /// Seconds that count on this device.
 struct Timer {
     software: bool,
@@ -61,12 +55,11 @@ impl Timer {
 }
 
 pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
-    let (picture, mask) = report::truth(&options.truth, options.mask.as_deref())?;
-    let truth = Truth { picture, mask };
+    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
     let uniform = RenderSettings {
-        camera: Some(options.camera.clone().unwrap_or(CAMERA.to_string())),
-        size: Some(options.size.unwrap_or(SIZE)),
-        samples: Some(options.samples.unwrap_or(SAMPLES)),
+        camera: Some(options.settings.camera.clone().unwrap_or(CAMERA.to_string())),
+        size: Some(options.settings.size.unwrap_or(SIZE)),
+        samples: Some(options.settings.samples.unwrap_or(SAMPLES)),
         ..options.settings.clone()
     };
     let kernels = fill_cache(options, &uniform, &truth)?;
@@ -121,17 +114,12 @@ fn run(
         later += timer.now() - before;
         if done == renderer.samples() || (done.is_power_of_two() && !settings.adaptive) {
             let seconds = later * f64::from(done) / f64::from(done - 1);
-            let Metrics { rel_rmse, energy_ratio, .. } = error(&renderer, &options.layer, truth)?;
+            let Metrics { rel_rmse, energy_ratio, .. } = truth.error(&renderer, &options.layer)?;
             rows.push(Row { samples: done, seconds, rel_rmse, energy_ratio });
         }
     }
     set_up.first_sample_seconds = first - later / f64::from(renderer.samples().max(2) - 1);
     Ok((about(&renderer), set_up, rows))
-}
-
-fn error(renderer: &Renderer, layer: &str, truth: &Truth) -> Result<Metrics, Box<dyn Error>> {
-    let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
-    Ok(compare(&picture, &truth.picture, &truth.mask)?)
 }
 
 fn surface_milliseconds(renderer: &Renderer) -> Result<f64, Box<dyn Error>> {

@@ -55,7 +55,7 @@ impl Row {
 
 pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
     let text = fs::read_to_string(&options.scene)?;
-    let cameras = options.camera.clone().map_or(CAMERAS.map(str::to_string).to_vec(), |camera| vec![camera]);
+    let cameras = options.settings.camera.clone().map_or(CAMERAS.map(str::to_string).to_vec(), |camera| vec![camera]);
     let (mut rows, mut device) = (Vec::new(), String::new());
     let coarsest = *options.quads.first().ok_or("--quads needs a number")?;
     run(|| water(options, &text, coarsest), &settings_for(options, &cameras[0]), 0)?;
@@ -77,7 +77,7 @@ pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
     for camera in &cameras {
         print_passes(&rows.iter().filter(|row| row.camera == *camera).collect::<Vec<_>>());
     }
-    Ok(serde_json::json!({ "device": device, "size": options.size.unwrap_or(SIZE), "rows": rows }))
+    Ok(serde_json::json!({ "device": device, "size": options.settings.size.unwrap_or(SIZE), "rows": rows }))
 }
 
 fn settings_for(options: &Options, camera: &str) -> RenderSettings {
@@ -89,8 +89,8 @@ fn settings(options: &Options, camera: &str, technique: TechniqueKind) -> Render
     RenderSettings {
         technique,
         camera: Some(camera.to_string()),
-        size: Some(options.size.unwrap_or(SIZE)),
-        samples: Some(options.samples.unwrap_or(SAMPLES).max(2)),
+        size: Some(options.settings.size.unwrap_or(SIZE)),
+        samples: Some(options.settings.samples.unwrap_or(SAMPLES).max(2)),
         set,
         ..options.settings.clone()
     }

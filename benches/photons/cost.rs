@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use nephroid::gpu::Device;
 
 use crate::Options;
-use crate::run::{Run, Split, items, name_of, scenes, settings};
+use crate::report::run::Run;
+use crate::run::{Split, counter, items, name_of, quickest, scenes, settings};
 
 const SIZE: (u32, u32) = (1920, 1080);
 /// Of each run, after the one that makes pipelines: times of passes are means over them, seconds those of the quickest.
@@ -36,17 +37,17 @@ fn row(
     set: &[(&str, &str)],
 ) -> Result<Row, Box<dyn Error>> {
     let mut run = Run::new(device, scene, &settings(options, SIZE, &items(set)))?;
-    let seconds = run.quickest(SAMPLES)?;
-    let traced = run.counter("photons_traced")?;
+    let seconds = quickest(&mut run, SAMPLES)?;
+    let traced = counter(&run, "photons_traced")?;
     let row = Row {
         scene: scene.to_path_buf(),
         what: what.to_string(),
         traced,
-        light_steps: run.counter("light_steps")? / traced.max(1.0),
-        camera_steps: run.counter("camera_steps")? / traced.max(1.0),
-        light_hits: run.counter("light_hits")?,
-        camera_hits: run.counter("camera_hits")?,
-        split: run.split()?,
+        light_steps: counter(&run, "light_steps")? / traced.max(1.0),
+        camera_steps: counter(&run, "camera_steps")? / traced.max(1.0),
+        light_hits: counter(&run, "light_hits")?,
+        camera_hits: counter(&run, "camera_hits")?,
+        split: Split::of(&run)?,
         seconds,
     };
     print(&row);
@@ -92,7 +93,7 @@ fn pair(options: &Options, device: &Device, key: &str, values: [&str; 2]) -> Res
         rows.extend([first, second]);
     }
     println!();
-    Ok(serde_json::json!({ "size": options.size.unwrap_or(SIZE), "rows": rows }))
+    Ok(serde_json::json!({ "size": options.settings.size.unwrap_or(SIZE), "rows": rows }))
 }
 
 pub fn march(options: &Options, device: &Device) -> Result<serde_json::Value, Box<dyn Error>> {
@@ -120,5 +121,5 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
         }
     }
     println!();
-    Ok(serde_json::json!({ "size": options.size.unwrap_or(SIZE), "rows": rows }))
+    Ok(serde_json::json!({ "size": options.settings.size.unwrap_or(SIZE), "rows": rows }))
 }

@@ -10,7 +10,8 @@ use nephroid::render::{RenderSettings, Renderer};
 use nephroid::technique::TechniqueKind;
 
 use crate::Options;
-use crate::run::{Run, items, name_of, scenes, settings};
+use crate::report::run::Run;
+use crate::run::{items, name_of, scenes, settings};
 
 const SIZE: (u32, u32) = (256, 192);
 /// Sets of photons at which errors are taken, one a sample.
@@ -94,6 +95,6 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
     }
     println!();
     Ok(
-        serde_json::json!({ "size": options.size.unwrap_or(SIZE), "reference_samples": options.reference, "rows": rows }),
+        serde_json::json!({ "size": options.settings.size.unwrap_or(SIZE), "reference_samples": options.reference, "rows": rows }),
     )
 }

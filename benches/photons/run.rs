@@ -1,15 +1,12 @@
-//! A renderer whose pipelines are made, and what its samples take.
+//! What samples take, and the scenes and settings to render.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use nephroid::gpu::Device;
-use nephroid::render::{RenderSettings, Renderer};
-use nephroid::scene;
-use nephroid::stats;
+use nephroid::render::RenderSettings;
 
 use crate::Options;
+use crate::report::run::Run;
 
 /// The scenes without `--scene`.
 const SCENES: [&str; 2] = ["cornell_flooded", "pool"];
@@ -21,12 +18,6 @@ pub fn scenes(options: &Options) -> Vec<PathBuf> {
 
 pub fn name_of(scene: &Path) -> String {
     scene.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-pub struct Run {
-    pub renderer: Renderer,
-    /// CPU seconds on a software device, else the clock's, of the samples so far.
-    pub seconds: f64,
 }
 
 /// Milliseconds a sample, by what they were for.
@@ -43,48 +34,12 @@ pub struct Split {
     pub frame: f64,
 }
 
-impl Run {
-    /// Ready for the first sample, after one that made pipelines.
-    pub fn new(device: &Device, scene: &Path, settings: &RenderSettings) -> Result<Self, Box<dyn Error>> {
-        let mut renderer = Renderer::with_device(device.clone(), scene::load(scene)?, settings)?;
-        renderer.sample()?;
-        renderer.restart()?;
-        Ok(Run { renderer, seconds: 0.0 })
-    }
-
-    pub fn sample(&mut self) -> Result<(), Box<dyn Error>> {
-        let (cpu, start) = (stats::cpu_seconds(), Instant::now());
-        self.renderer.sample()?;
-        let software = self.renderer.device().info.kind == "cpu";
-        self.seconds += if software { stats::cpu_seconds() - cpu } else { start.elapsed().as_secs_f64() };
-        Ok(())
-    }
-
-    /// `count` of them; CPU seconds of the quickest, which what else the machine does disturbs least.
-    pub fn quickest(&mut self, count: u32) -> Result<f64, Box<dyn Error>> {
-        let mut quickest = f64::INFINITY;
-        for _ in 0..count {
-            let before = self.seconds;
-            self.sample()?;
-            quickest = quickest.min(self.seconds - before);
-        }
-        Ok(quickest)
-    }
-
-    /// A sample's part of what the technique counted.
-    pub fn counter(&self, name: &str) -> Result<f64, Box<dyn Error>> {
-        let counters = self.renderer.finish()?.stats.counters;
-        let value = counters.iter().find(|counter| counter.name == name).map_or(0.0, |counter| counter.value);
-        Ok(value / f64::from(self.renderer.done()))
-    }
-
+impl Split {
     /// The views are found by the first sample alone, so their passes are left out.
-    pub fn split(&self) -> Result<Split, Box<dyn Error>> {
+    pub fn of(run: &Run) -> Result<Self, Box<dyn Error>> {
         let mut split = Split::default();
-        for pass in self.renderer.passes() {
-            let time = pass.milliseconds.ok_or("the device has no timestamps to take costs from")?;
-            let time = time / f64::from(self.renderer.done());
-            match pass.name.strip_prefix("photons/") {
+        for (name, time) in run.passes()? {
+            match name.strip_prefix("photons/") {
                 Some("emit") => split.emit += time,
                 Some("trace") => split.trace += time,
                 Some("rescue") => split.rescue += time,
@@ -99,11 +54,26 @@ impl Run {
     }
 }
 
+/// `count` samples; CPU seconds of the quickest, which what else the machine does disturbs least.
+pub fn quickest(run: &mut Run, count: u32) -> Result<f64, Box<dyn Error>> {
+    let mut quickest = f64::INFINITY;
+    for _ in 0..count {
+        let before = run.seconds;
+        run.sample()?;
+        quickest = quickest.min(run.seconds - before);
+    }
+    Ok(quickest)
+}
+
+/// A sample's part of what the technique counted.
+pub fn counter(run: &Run, name: &str) -> Result<f64, Box<dyn Error>> {
+    Ok(run.counter(name)? / f64::from(run.renderer.done()))
+}
+
 /// `options`' settings with a size and more `--set` items, which those of `options` win over.
 pub fn settings(options: &Options, size: (u32, u32), set: &[String]) -> RenderSettings {
-    let set = [set, &options.settings.set].concat();
-    let camera = options.camera.clone();
-    RenderSettings { camera, size: Some(options.size.unwrap_or(size)), set, ..options.settings.clone() }
+    let own = &options.settings;
+    RenderSettings { size: own.size.or(Some(size)), set: [set, &own.set].concat(), ..own.clone() }
 }
 
 /// `photons.key=value` for each.

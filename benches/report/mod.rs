@@ -1,21 +1,46 @@
-//! What benchmarks share: the truth that they hold pictures against, and what they write beside their tables, JSON with
-//! the commit; devices and drivers are in the results.
+//! What benchmarks share: what they are asked for, the truth that they hold pictures against, and what they write beside
+//! their tables, JSON with the commit; devices and drivers are in the results.
 #![allow(dead_code, reason = "each benchmark uses its part")]
+
+pub mod options;
+pub mod parts;
+pub mod run;
 
 use std::error::Error;
 use std::path::Path;
 
+use nephroid::image::metrics::{Metrics, compare};
 use nephroid::image::{self, Mask, RgbImage, png};
+use nephroid::render::Renderer;
 
-/// A truth's picture, and where it holds: what `mask` says or else the picture's own layer `mask`, or everywhere.
-pub fn truth(path: &Path, mask: Option<&Path>) -> Result<(RgbImage, Mask), Box<dyn Error>> {
-    let image = image::read(path)?;
-    let picture = image.select(path, None)?;
-    let mask = match mask {
-        Some(mask) => png::read_mask(mask)?,
-        None => mask_layer(&image, &picture),
-    };
-    Ok((picture, mask))
+/// What pictures are held against.
+pub struct Truth {
+    picture: RgbImage,
+    mask: Mask,
+}
+
+impl Truth {
+    /// Holds where `mask` says or else the picture's own layer `mask`, or everywhere.
+    pub fn read(path: &Path, mask: Option<&Path>) -> Result<Self, Box<dyn Error>> {
+        let image = image::read(path)?;
+        let picture = image.select(path, None)?;
+        let mask = match mask {
+            Some(mask) => png::read_mask(mask)?,
+            None => mask_layer(&image, &picture),
+        };
+        Ok(Truth { picture, mask })
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.picture.width as u32, self.picture.height as u32)
+    }
+
+    /// Of a layer of the samples so far.
+    pub fn error(&self, renderer: &Renderer, layer: &str) -> Result<Metrics, Box<dyn Error>> {
+        let picture = renderer.finish()?.image.select(Path::new("the picture"), Some(layer))?;
+        Ok(compare(&picture, &self.picture, &self.mask)?)
+    }
 }
 
 /// Writes `target/bench/<name>.json`.

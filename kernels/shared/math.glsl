@@ -33,3 +33,9 @@ bool all_finite(vec3 v) {
 float mean(vec3 v) {
     return (v.x + v.y + v.z) / 3.0;
 }
+
+// The integral of clamp(v, 0, 1).
+float clamped_integral(float v) {
+    float inside = clamp(v, 0.0, 1.0);
+    return 0.5 * inside * inside + max(v - 1.0, 0.0);
+}

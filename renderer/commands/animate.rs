@@ -13,19 +13,18 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use thiserror::Error;
-
 pub use args::AnimateArgs;
+pub use video::VideoError;
 
+use super::error::PictureError;
 use super::interrupt;
-use super::output::{self, Teller, ValidationError};
-use super::places::PlaceError;
+use super::output::{self, Teller};
 use super::request::Request;
 use super::trace_file::TraceFile;
 use crate::gpu::Device;
-use crate::image::{Format, ImageError};
-use crate::render::{Picture, RenderError, RenderSettings, Renderer, check_frame};
-use crate::scene::{self, FilmSettings, Scene, SceneError};
+use crate::image::Format;
+use crate::render::{Picture, RenderSettings, Renderer, check_frame};
+use crate::scene::{self, FilmSettings, Scene};
 use crate::spans;
 use crate::trace::{Backend, TraceChoice};
 use cost::{SequenceStats, Split, Watch};
@@ -33,38 +32,13 @@ use files::Files;
 use progress::Display;
 use resume::{Maker, State};
 use sequence::{Frames, Shard};
-use video::{Video, VideoError};
-
-/// Why a sequence was not rendered.
-#[derive(Debug, Error)]
-pub enum AnimateError {
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    #[error(transparent)]
-    Place(#[from] PlaceError),
-    #[error(transparent)]
-    Image(#[from] ImageError),
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    #[error(transparent)]
-    Video(#[from] VideoError),
-    #[error(transparent)]
-    Validation(#[from] ValidationError),
-    #[error("{scene} does not say how many frames it has; say which to render by --frames, such as --frames 0..47")]
-    Frames { scene: PathBuf },
-    #[error(
-        "{path}: all shards would write this one file for {option}; put {{shard}} into its name, for the shard's number"
-    )]
-    Shared { option: &'static str, path: PathBuf },
-    #[error("the folder {path} cannot be made: {reason}")]
-    Folder { path: PathBuf, reason: String },
-}
+use video::Video;
 
 /// Renders what is missing and writes all files. The status is 0, or 130 where Ctrl-C ended the sequence early.
 ///
 /// # Errors
 /// Everything that can be checked is, before the first frame: outputs, ffmpeg, scene, device, settings.
-pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
+pub fn run(args: &AnimateArgs) -> Result<ExitCode, PictureError> {
     let start = Instant::now();
     let common = &args.picture;
     let shard = args.shard.unwrap_or(Shard::WHOLE);
@@ -79,7 +53,7 @@ pub fn run(args: &AnimateArgs) -> Result<ExitCode, AnimateError> {
     let mut scene = scene::load_at(&common.scene, args.fps)?;
     drop(span);
     let own = scene.animation.frames.map(|frames| Frames { first: 0, last: frames - 1 });
-    let frames = args.frames.or(own).ok_or_else(|| AnimateError::Frames { scene: common.scene.clone() })?;
+    let frames = args.frames.or(own).ok_or_else(|| PictureError::Frames { scene: common.scene.clone() })?;
     let mut teller = Teller::new(common.quiet);
     teller.warn(&scene.warnings);
     let mut settings = common.settings(0);
@@ -246,7 +220,7 @@ impl Row<'_> {
         frames: &[u32],
         kept: &[(u32, State)],
         stats: &mut SequenceStats,
-    ) -> Result<(usize, Option<Device>), AnimateError> {
+    ) -> Result<(usize, Option<Device>), PictureError> {
         // Structures are built for frame 0 and fitted to every other, so that they do not depend on where a row
         // starts.
         let mut renderer = Renderer::new(scene, settings)?;
@@ -281,7 +255,7 @@ impl Row<'_> {
         frame: u32,
         display: &mut Display,
         stats: &mut SequenceStats,
-    ) -> Result<(), AnimateError> {
+    ) -> Result<(), PictureError> {
         let whole = Watch::start();
         let span = spans::span_of("frame", || frame.to_string());
         let mut split = Split::default();

@@ -4,6 +4,7 @@ pub mod animate;
 pub mod args;
 pub mod compare;
 pub mod devices;
+mod error;
 pub(crate) mod interrupt;
 mod output;
 mod places;
@@ -14,3 +15,5 @@ pub mod shell;
 mod trace_file;
 #[cfg(feature = "viewer")]
 pub mod view;
+
+pub use error::PictureError;

@@ -7,45 +7,26 @@ mod watch;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use thiserror::Error;
-
 pub use args::RenderArgs;
 
 use super::args::PictureArgs;
+use super::error::PictureError;
 use super::interrupt;
-use super::output::{self, Teller, ValidationError};
-use super::places::{self, PlaceError};
+use super::output::{self, Teller};
+use super::places;
 use super::progress::Display;
 use super::request::Request;
 use super::trace_file::TraceFile;
-use crate::image::{ImageError, atomic};
-use crate::render::{Picture, RenderError, Renderer};
-use crate::scene::{self, SceneError};
+use crate::image::atomic;
+use crate::render::{Picture, Renderer};
+use crate::scene;
 use crate::spans;
-
-/// Why a rendering failed.
-#[derive(Debug, Error)]
-pub enum RenderCommandError {
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    #[error(transparent)]
-    Place(#[from] PlaceError),
-    #[error(transparent)]
-    Image(#[from] ImageError),
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    #[cfg(feature = "hot-reload")]
-    #[error(transparent)]
-    Watch(#[from] crate::gpu::WatchError),
-    #[error(transparent)]
-    Validation(#[from] ValidationError),
-}
 
 /// Renders and writes all files. The status is 0, or 130 where Ctrl-C made the picture one of fewer samples.
 ///
 /// # Errors
 /// Everything that can be checked is, before the first sample: outputs, scene, device, settings.
-pub fn run(args: &RenderArgs) -> Result<ExitCode, RenderCommandError> {
+pub fn run(args: &RenderArgs) -> Result<ExitCode, PictureError> {
     let start = Instant::now();
     let formats = args.output.iter().map(|path| atomic::check(path)).collect::<Result<Vec<_>, _>>()?;
     let PictureArgs { scene, stats, trace_file, .. } = &args.picture;
@@ -101,7 +82,7 @@ enum Kernels {
 }
 
 /// Renders all samples, or fewer where Ctrl-C comes, and returns their number.
-fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<(u32, Kernels), RenderCommandError> {
+fn render(renderer: &mut Renderer, args: &RenderArgs) -> Result<(u32, Kernels), PictureError> {
     let kernels = Kernels::BuiltIn;
     #[cfg(feature = "hot-reload")]
     let (mut kernels, mut watch) = (kernels, watch::Watch::new(args, renderer)?);

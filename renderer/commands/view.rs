@@ -110,7 +110,7 @@ pub fn run(args: &ViewArgs) -> Result<ExitCode, ViewError> {
         watch: args
             .watch_kernels
             .clone()
-            .map(|folder| folder.unwrap_or_else(|| nephroid_kernels::compiler::source_folder().to_owned())),
+            .map(|folder| folder.unwrap_or_else(|| nephroid_kernels::source_folder().to_owned())),
     };
     Ok(match viewer::run(&settings)? {
         Closed::ByUser => ExitCode::SUCCESS,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::SystemTime;
 
-use nephroid_kernels::compiler::{self, Job};
+use nephroid_kernel_compiler::{self as compiler, Job};
 
 use super::pipeline::module_words;
 use super::reflect::{Interface, reflect};
@@ -136,7 +136,7 @@ struct Tried {
 }
 
 impl KernelWatch {
-    /// Watches `folder`, for instance [`nephroid_kernels::compiler::source_folder`]. The first poll also finds what has
+    /// Watches `folder`, for instance [`nephroid_kernels::source_folder`]. The first poll also finds what has
     /// been changed since the program was built.
     pub fn new(device: &Device, folder: &Path) -> Result<Self, WatchError> {
         if stamps(folder).is_empty() {

@@ -19,24 +19,7 @@ use super::{Edge, Numbers, beam, beam_to_floor};
 use crate::common::{Request, assert_valid};
 
 /// Lit by nothing but beams: a floor at y = 0 seen from above.
-pub const FLOOR: &str = r#"
-[[camera]]
-name = "down"
-position = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 60
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 0.5
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [100, 100]
-material = "floor"
-"#;
+pub use crate::common::text::FLOOR;
 
 pub fn parse(text: &str) -> Scene {
     scene::parse(text, Path::new("test.toml")).unwrap()

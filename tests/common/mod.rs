@@ -3,9 +3,13 @@
 //! A case that a device cannot run is listed as ignored, with the reason in its name.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
+pub mod measure;
 pub mod pool;
+pub mod sequence;
 pub mod slide;
 pub mod smoke;
+pub mod text;
+pub mod truth;
 
 use std::process::{Command, ExitCode};
 use std::sync::{Mutex, PoisonError};

@@ -6,6 +6,13 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use nephroid::scene::{self, Scene};
 
+/// A shipped scene whose water has 64 x 64 quads and not 256 x 256, so that it is quick.
+pub fn coarse(name: &str) -> Scene {
+    let path = Path::new("scenes").join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    scene::parse(&text.replace("quads = [256, 256]", "quads = [64, 64]"), &path).unwrap()
+}
+
 /// Light of the lamp where flat water has refracted it once: 100 W/sr at (1.5, 6, -1), water below y = 0, index 1.33.
 pub struct RefractedLight {
     /// The way that it goes.

@@ -6,50 +6,17 @@ use std::path::Path;
 use glam::DVec3;
 use nephroid::scene::{self, Bounds, DensityGrid, Scene};
 
-/// Sun straight down through a flat pane into a box of smoke; the smoke's medium is all around, but has density there only.
-const PANE: &str = r#"
-[[camera]]
-name = "c"
-position = [0, 0.4, 4]
-target = [0, 0.45, 0]
-fov_y = 16
-medium = "smoke"
-[[medium]]
-name = "glass"
-index = 1.5
+use super::text;
+
+/// From the side; the smoke's medium is all around the pane, but has density in a box only.
+const CAMERA: &str = "position = [0, 0.4, 4]\ntarget = [0, 0.45, 0]\nfov_y = 16";
+const SMOKE: &str = r#"
 [[medium]]
 name = "smoke"
 index = 1
 absorption = [0.5, 0.1, 0]
 scattering = [0.5, 1, 2]
 asymmetry = 0.5
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 1
-[[material]]
-name = "pane"
-kind = "dielectric"
-front = "smoke"
-back = "glass"
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [10, 10]
-material = "floor"
-[[object]]
-name = "pane"
-shape = "box"
-centre = [0, 1, 0]
-size = [3, 0.1, 2]
-material = "pane"
-[[light]]
-name = "sun"
-kind = "directional"
-direction = [0, -1, 0]
-irradiance = [1, 2, 3]
-medium = "smoke"
 "#;
 
 /// Of all rows, the part in whose pixels the pane is seen: it begins 0.95 m up, 3 m away and more.
@@ -107,7 +74,7 @@ fn smoke_radiance(origin: DVec3, direction: DVec3, sun: f64, (absorption, scatte
 
 /// The scene, smoke included.
 pub fn pane() -> Scene {
-    let mut scene = scene::parse(PANE, Path::new("test.toml")).unwrap();
+    let mut scene = scene::parse(&text::pane(CAMERA, "smoke", SMOKE), Path::new("test.toml")).unwrap();
     let indices = || (0..125).map(|i| (i % 5, i / 5 % 5, i / 25));
     scene.densities.push(DensityGrid {
         bounds: Bounds { min: SMOKE_LOWER.as_vec3(), max: SMOKE_UPPER.as_vec3() },

@@ -1,12 +1,11 @@
 //! Ways to the same picture, and what moves it.
 
-use std::path::Path;
-
 use nephroid::render::{Picture, RenderSettings};
-use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
 
-use crate::common::{Request, assert_valid, layer};
+use crate::common::pool::coarse;
+use crate::common::sequence::{self, bits};
+use crate::common::{Request, layer};
 use crate::{assert_sound, counter, difference, pool, render, sum};
 
 /// RMS difference over the mean: orders of sums, and a hull's edge.
@@ -14,15 +13,8 @@ const TIERS: f64 = 1e-3;
 
 const SMALL: [&str; 4] = ["beams.grid=6", "beams.levels=3", "beams.bounces=1", "beams.vertices=65536"];
 
-/// The pool with waves, in water that scatters.
-fn turbid() -> Scene {
-    let text = std::fs::read_to_string("scenes/turbid_pool.toml").unwrap();
-    let text = text.replace("quads = [256, 256]", "quads = [64, 64]");
-    scene::parse(&text, Path::new("scenes/turbid_pool.toml")).unwrap()
-}
-
 fn small(request: &Request, extra: &[&str], change: impl FnOnce(&mut RenderSettings)) -> Picture {
-    let picture = render(request, turbid(), &[&SMALL[..], extra].concat(), |s| {
+    let picture = render(request, coarse("turbid_pool.toml"), &[&SMALL[..], extra].concat(), |s| {
         s.size = Some((32, 24));
         change(s);
     });
@@ -61,11 +53,6 @@ pub fn tiers(request: &Request) {
     }
 }
 
-fn bits(picture: &Picture) -> Vec<u32> {
-    let layers = ["caustic", "caustic_volume", "final"].map(|name| layer(&picture.image, name));
-    layers.into_iter().flatten().flatten().map(f32::to_bits).collect()
-}
-
 pub fn equal_bits(request: &Request) {
     let picture = |jitter: &str, seed: u32, samples: u32| {
         small(request, &[jitter, "beams.reuse=1"], |s| {
@@ -99,31 +86,9 @@ pub fn frame_alone(request: &Request) {
         set: SMALL.map(String::from).to_vec(),
         ..Default::default()
     };
-    let picture = |renderer: &mut nephroid::render::Renderer| {
-        for _ in 0..renderer.samples() {
-            renderer.sample().unwrap();
-        }
-        renderer.finish().unwrap()
-    };
-    let mut row = request.renderer(pool(), &settings);
-    let first = picture(&mut row);
-    for frame in [1, 5] {
-        row.go_to(frame).unwrap();
-    }
-    let in_row = picture(&mut row);
-    row.restart().unwrap();
-    let again = picture(&mut row);
-    assert_valid(row.device());
-    let alone = picture(&mut request.renderer(pool(), &RenderSettings { frame: 5, ..settings }));
-    for name in ["final", "caustic"] {
-        assert_eq!(layer(&in_row.image, name), layer(&alone.image, name), "{name}");
-        assert_eq!(layer(&again.image, name), layer(&alone.image, name), "{name} once more");
-    }
+    let [first, alone] = sequence::frame_alone(request, pool, &settings);
     let moved = difference(&layer(&first.image, "caustic"), &layer(&alone.image, "caustic"));
     assert!(moved > 0.05, "five frames moved the light by {moved}");
-    // The ledger is of this frame alone.
-    let ledgers = [&in_row, &again, &alone].map(|picture| crate::watts(picture, "landed"));
-    assert!(ledgers.iter().all(|watts| *watts == ledgers[0]), "{ledgers:?} W landed");
 }
 
 pub fn adaptive(request: &Request) {

@@ -6,6 +6,7 @@ use glam::Vec3;
 use nephroid::render::Picture;
 use nephroid::scene::{self, Bounds, DensityGrid, Scene};
 
+use crate::common::text::pane;
 use crate::common::{Request, layer};
 use crate::{assert_sound, load, render, watts};
 
@@ -63,60 +64,17 @@ pub fn adds_up(request: &Request) {
     }
 }
 
-/// The sun straight down through a flat pane, all in a medium that `haze` gives density far above all else.
-const PANE: &str = r#"
-[[camera]]
-name = "c"
-position = [0, 0.6, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_y = 30
-medium = "haze"
-[[medium]]
-name = "haze"
-index = 1
-COEFFICIENTS
-[[medium]]
-name = "glass"
-index = 1.5
-[[material]]
-name = "floor"
-kind = "diffuse"
-albedo = 1
-[[material]]
-name = "pane"
-kind = "dielectric"
-front = "haze"
-back = "glass"
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, 0, 0]
-size = [10, 10]
-material = "floor"
-[[object]]
-name = "pane"
-shape = "box"
-centre = [0, 1, 0]
-size = [3, 0.1, 2]
-material = "pane"
-[[light]]
-name = "sun"
-kind = "directional"
-direction = [0, -1, 0]
-irradiance = [1, 2, 3]
-medium = "haze"
-"#;
-
 /// Half of the full density 3 m to 43 m above the floor, where nothing of the scene is.
 fn haze() -> DensityGrid {
     let bounds = Bounds { min: Vec3::new(-40.0, 3.0, -40.0), max: Vec3::new(40.0, 43.0, 40.0) };
     DensityGrid { bounds, points: [2; 3], values: vec![0.5; 8] }
 }
 
-/// What lands on the floor of `PANE`, of each channel.
+/// What lands on the floor below a pane in a medium to which `haze` gives density far above, of each channel.
 fn landed(request: &Request, coefficients: &str) -> [f64; 3] {
-    let mut scene = scene::parse(&PANE.replace("COEFFICIENTS", coefficients), Path::new("test.toml")).unwrap();
+    let camera = "position = [0, 0.6, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nfov_y = 30";
+    let medium = format!("[[medium]]\nname = \"haze\"\nindex = 1\n{coefficients}");
+    let mut scene = scene::parse(&pane(camera, "haze", &medium), Path::new("test.toml")).unwrap();
     scene.densities.push(haze());
     scene.media.iter_mut().find(|m| m.name == "haze").unwrap().density = Some(0);
     let set = ["beams.grid=4", "beams.levels=1", "beams.bounces=3", "beams.vertices=4096"];

@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec3;
-use nephroid::image;
 use nephroid::render::Picture;
 use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
 
 use crate::common::pool::{first_water_stretch, flat_water_inscatter, flat_water_irradiance, floor_point};
+use crate::common::truth::Truth;
 use crate::common::{Request, layer};
 use crate::{assert_sound, load, render, sum};
 
@@ -201,22 +201,14 @@ fn from_above(request: &Request) {
 }
 
 pub fn waves(request: &Request) {
-    // Box-filtered from a picture four times as wide; channel Y of `mask` is 1 where all of a pixel is floor.
-    let truth = image::read(Path::new("tests/truth/pool_under_120x90.exr")).unwrap();
-    let expected = layer(&truth, "final");
-    let mask = truth.layer("mask").unwrap().channels[0].samples.clone();
+    let truth = Truth::of_pool("under", 1);
     let mut last = f64::INFINITY;
     for levels in [3, 4, 5] {
         let levels_set = format!("beams.levels={levels}");
         let set = [&levels_set[..], "beams.grid=16", "beams.bounces=1", "beams.jitter=off", "beams.vertices=524288"];
-        let picture = render(request, load("pool.toml"), &set, |s| s.size = Some((120, 90)));
+        let picture = render(request, load("pool.toml"), &set, |s| s.size = Some(truth.size));
         assert_sound(&picture);
-        let found = layer(&picture.image, "final");
-        let mut compared = Compared::default();
-        for i in (0..mask.len()).filter(|&i| mask[i] > 0.5) {
-            compared.add(found[i][1].into(), expected[i][1].into());
-        }
-        let (energy, rel_rmse) = (compared.energy(), compared.rel_rmse());
+        let (energy, rel_rmse) = truth.against(&layer(&picture.image, "final"));
         println!("{levels} levels: relRMSE {rel_rmse:.4}, energy {energy:.5}");
         assert!((energy - 1.0).abs() < 0.01, "{levels} levels: energy {energy}");
         assert!(rel_rmse < last, "{levels} levels: relRMSE {rel_rmse} after {last}");

@@ -3,12 +3,13 @@
 use nephroid::frame::{Frame, Sampling, VisiblePoint};
 use nephroid::gpu::{Binding, Recorder};
 use nephroid::gpu_scene::GpuScene;
-use nephroid::render::{Picture, RenderSettings, Renderer};
+use nephroid::render::{Picture, RenderSettings};
 use nephroid::technique::photons::Photons;
 use nephroid::technique::{Context, Settings, Technique, TechniqueKind};
 use nephroid::trace::{self, TraceChoice};
 use nephroid::view::{Band, View};
 
+use crate::common::sequence::{self, bits};
 use crate::common::{Request, assert_valid, layer};
 use crate::{assert_sound, counter, difference, load, pool, render, sum, watts};
 
@@ -66,11 +67,6 @@ pub fn drivers(request: &Request) {
     }
 }
 
-fn bits(picture: &Picture) -> Vec<u32> {
-    let layers = ["caustic", "final"].map(|name| layer(&picture.image, name));
-    layers.into_iter().flatten().flatten().map(f32::to_bits).collect()
-}
-
 pub fn equal_bits(request: &Request) {
     let picture = |set: &[&str], seed: u32| {
         let set = [&["photons.rescue=rays"], set].concat();
@@ -104,28 +100,9 @@ pub fn frame_alone(request: &Request) {
         set: ["photons.photons=20000", "photons.resolution=128", "photons.rescue=rays"].map(String::from).to_vec(),
         ..Default::default()
     };
-    let picture = |renderer: &mut Renderer| {
-        for _ in 0..renderer.samples() {
-            renderer.sample().unwrap();
-        }
-        renderer.finish().unwrap()
-    };
-    let mut row = request.renderer(pool(), &settings);
-    let first = picture(&mut row);
-    for frame in [1, 5] {
-        row.go_to(frame).unwrap();
-    }
-    let in_row = picture(&mut row);
-    row.restart().unwrap();
-    let again = picture(&mut row);
-    assert_valid(row.device());
-    let alone = picture(&mut request.renderer(pool(), &RenderSettings { frame: 5, ..settings }));
-    assert!(bits(&in_row) == bits(&alone), "the frame knows of those before it");
-    assert!(bits(&again) == bits(&alone), "the frame once more is another");
+    let [first, alone] = sequence::frame_alone(request, pool, &settings);
     let moved = difference(&layer(&first.image, "caustic"), &layer(&alone.image, "caustic"));
     assert!(moved > 0.1, "five frames moved the light by {moved}");
-    let ledgers = [&in_row, &again, &alone].map(|picture| watts(picture, "landed"));
-    assert!(ledgers.iter().all(|watts| *watts == ledgers[0]), "{ledgers:?} W landed");
 }
 
 /// Each slot's light in the second sample of some rows of a picture.

@@ -1,12 +1,11 @@
 //! The filter in pictures of the pool, against the mean of many unfiltered sets.
 
-use std::path::Path;
 use std::sync::OnceLock;
 
 use nephroid::render::{RenderSettings, Renderer};
-use nephroid::scene;
 use nephroid::technique::TechniqueKind;
 
+use crate::common::pool::coarse;
 use crate::common::{Request, assert_valid, layer};
 
 const TRUTH_SAMPLES: u32 = 32;
@@ -20,8 +19,6 @@ const SAMPLES: u32 = 4;
 const FRAMES: u32 = 8;
 
 fn renderer(request: &Request, samples: u32, seed: u32, set: &[&str]) -> Renderer {
-    let text = std::fs::read_to_string("scenes/pool.toml").unwrap().replace("quads = [256, 256]", "quads = [64, 64]");
-    let scene = scene::parse(&text, Path::new("scenes/pool.toml")).unwrap();
     let common = ["photons=5000", "resolution=128"];
     let settings = RenderSettings {
         device: request.device.clone(),
@@ -34,7 +31,7 @@ fn renderer(request: &Request, samples: u32, seed: u32, set: &[&str]) -> Rendere
         set: common.iter().chain(set).map(|item| format!("photons.{item}")).collect(),
         ..Default::default()
     };
-    request.renderer(scene, &settings)
+    request.renderer(coarse("pool.toml"), &settings)
 }
 
 /// The light of all samples, pixel by pixel.

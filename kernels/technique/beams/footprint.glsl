@@ -40,12 +40,6 @@ Footprint footprint_of(vec3 point, vec3 normal, vec3 across, vec3 down, vec2 jit
     return f;
 }
 
-// The integral of clamp(v, -1/2, 1/2) + 1/2.
-float clamped_integral(float v) {
-    float inside = clamp(v, -0.5, 0.5) + 0.5;
-    return 0.5 * inside * inside + max(v - 0.5, 0.0);
-}
-
 // Area between an edge and the pixel's lower side, as far as the pixel goes; signed by the edge's way.
 float area_under(vec2 a, vec2 b) {
     float run = b.x - a.x;
@@ -56,7 +50,7 @@ float area_under(vec2 a, vec2 b) {
     float low = a.y + (from - a.x) * slope;
     float high = a.y + (to - a.x) * slope;
     float rise = high - low;
-    float mean_height = abs(rise) > 1e-4 ? (clamped_integral(high) - clamped_integral(low)) / rise
+    float mean_height = abs(rise) > 1e-4 ? (clamped_integral(high + 0.5) - clamped_integral(low + 0.5)) / rise
                                          : clamp(0.5 * (low + high), -0.5, 0.5) + 0.5;
     return (to - from) * mean_height;
 }

@@ -9,12 +9,6 @@ layout(push_constant) uniform ShowPush {
     StorePush store;
 } push;
 
-// The integral of clamp(v, 0, 1).
-float clamped_integral(float v) {
-    float inside = clamp(v, 0.0, 1.0);
-    return 0.5 * inside * inside + max(v - 1.0, 0.0);
-}
-
 // Part of the unit square, about its middle, where `height` + dot(slope, place) is below `bound`; slopes are not negative.
 float part_below(float height, vec2 slope, float bound) {
     float steep = max(max(slope.x, slope.y), 1e-6);

@@ -4,9 +4,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::AnimateArgs;
 use super::pattern::Pattern;
 use super::sequence::Shard;
-use super::{AnimateArgs, AnimateError};
+use crate::commands::PictureError;
 use crate::commands::places::{self, PlaceError, folder_of};
 use crate::image::{Format, ImageError, atomic};
 
@@ -25,7 +26,7 @@ pub struct Files {
 impl Files {
     /// # Errors
     /// An unknown extension, reports of several shards under one name, or places where no file can be.
-    pub fn new(args: &AnimateArgs, shard: Shard) -> Result<Self, AnimateError> {
+    pub fn new(args: &AnimateArgs, shard: Shard) -> Result<Self, PictureError> {
         let format = |pattern: &Pattern| Ok((pattern.clone(), Format::of(&pattern.path(0))?));
         let files = Files {
             pictures: args.output.iter().map(format).collect::<Result<_, ImageError>>()?,
@@ -80,13 +81,13 @@ impl Files {
     /// Makes the folders of pictures that are not there.
     ///
     /// # Errors
-    /// [`AnimateError::Folder`].
-    pub fn make_folders(&self) -> Result<(), AnimateError> {
+    /// [`PictureError::Folder`].
+    pub fn make_folders(&self) -> Result<(), PictureError> {
         for (pattern, _) in &self.pictures {
             let path = pattern.path(0);
             let folder = folder_of(&path);
             let failed =
-                |error: io::Error| AnimateError::Folder { path: folder.to_owned(), reason: error.kind().to_string() };
+                |error: io::Error| PictureError::Folder { path: folder.to_owned(), reason: error.kind().to_string() };
             fs::create_dir_all(folder).map_err(failed)?;
         }
         Ok(())
@@ -107,11 +108,11 @@ impl Files {
 }
 
 /// A report's place, with the shard's number in it where that has a place.
-fn report(option: &'static str, path: Option<&Path>, shard: Shard) -> Result<Option<PathBuf>, AnimateError> {
+fn report(option: &'static str, path: Option<&Path>, shard: Shard) -> Result<Option<PathBuf>, PictureError> {
     let Some(path) = path else { return Ok(None) };
     match path.to_str().filter(|text| text.contains(SHARD)) {
         Some(text) => Ok(Some(text.replace(SHARD, &shard.index.to_string()).into())),
         None if shard.count == 1 => Ok(Some(path.to_owned())),
-        None => Err(AnimateError::Shared { option, path: path.to_owned() }),
+        None => Err(PictureError::Shared { option, path: path.to_owned() }),
     }
 }

@@ -1,7 +1,5 @@
 //! `--watch-kernels`: between samples, changed kernels are reloaded and the rendering starts over.
 
-use nephroid_kernels::compiler;
-
 use super::RenderArgs;
 use crate::commands::progress::Display;
 use crate::gpu::{KernelWatch, ReloadReport, WatchError};
@@ -13,7 +11,7 @@ pub struct Watch(Option<KernelWatch>);
 impl Watch {
     pub fn new(args: &RenderArgs, renderer: &Renderer) -> Result<Self, WatchError> {
         let watch = args.watch_kernels.as_ref().map(|folder| {
-            let folder = folder.as_deref().unwrap_or(compiler::source_folder());
+            let folder = folder.as_deref().unwrap_or(nephroid_kernels::source_folder());
             KernelWatch::new(renderer.device(), folder)
         });
         Ok(Watch(watch.transpose()?))

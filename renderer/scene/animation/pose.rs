@@ -126,6 +126,16 @@ pub enum Aim {
     Direction(DVec3),
 }
 
+impl Aim {
+    /// Those of the target or of the direction; zero where there is neither.
+    fn coordinates(self) -> DVec3 {
+        match self {
+            Aim::Nowhere => DVec3::ZERO,
+            Aim::Target(coordinates) | Aim::Direction(coordinates) => coordinates,
+        }
+    }
+}
+
 impl LightPose {
     pub fn put(&self, light: &mut Light) {
         match &mut light.emitter {
@@ -160,16 +170,14 @@ impl Pose for LightPose {
     /// Where the target passes through the light, it points the way it did at the last key.
     fn at(span: &Span, poses: &[Self]) -> Self {
         let last = poses[span.from];
+        let [position, target, power] =
+            [|pose: &Self| pose.position, |pose: &Self| pose.aim.coordinates(), |pose: &Self| pose.power]
+                .map(|of| span.vector(|key| of(&poses[key])));
         let aim = match last.aim {
             Aim::Nowhere => Aim::Nowhere,
             Aim::Direction(_) => Aim::Direction(unit(span, |key| poses[key].direction())),
-            Aim::Target(_) => Aim::Target(span.vector(|key| match poses[key].aim {
-                Aim::Target(target) => target,
-                Aim::Nowhere | Aim::Direction(_) => poses[key].position + poses[key].direction(),
-            })),
+            Aim::Target(_) => Aim::Target(target),
         };
-        let [position, power] =
-            [|pose: &Self| pose.position, |pose: &Self| pose.power].map(|of| span.vector(|key| of(&poses[key])));
         let pose = LightPose { position, aim, power };
         if pose.axis().is_some() { pose } else { LightPose { aim: Aim::Direction(last.direction()), ..pose } }
     }
