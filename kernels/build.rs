@@ -14,7 +14,9 @@ use compile::Job;
 fn main() {
     let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    for folder in ["build.rs", "compile.rs", "shared", "trace", "animate", "frame", "light", "technique", "selftest"] {
+    for folder in
+        ["build.rs", "compile.rs", "shared", "trace", "animate", "frame", "taa", "light", "technique", "selftest"]
+    {
         println!("cargo::rerun-if-changed={}", root.join(folder).display());
     }
     if let Err(message) = build(&root, &out) {
