@@ -5,7 +5,8 @@
 //! it is expected. Then:
 //!
 //! - Frames weigh less the further back they are, where the two halves of the window differ by more than successive frames
-//!   do: that is light which moves, such as caustics under waves. Else all weigh alike.
+//!   do: that is light which moves, such as caustics under waves. All of the past weighs less where 5 x 5 pixels are brighter
+//!   or darker than it: a lamp was switched. Else all frames weigh alike.
 //! - Light of the past is drawn into the spread of the 3 x 3 pixels around in the frame at hand (variance clipping in YCoCg,
 //!   Salvi 2016), so that light which has gone at once leaves no trail. Three standard deviations are wide, and keep the
 //!   mean of light that is rare; frames are averaged in linear light for the same reason.
@@ -167,7 +168,7 @@ impl Taa {
                 .buffer("TaaPlaces", &Buffer::new(device, "anti-aliasing: ways back", RECORD_BYTES * pixels)?)
                 .buffer("TaaRuns", &Buffer::new(device, "anti-aliasing: light on ways back", RECORD_BYTES * pixels)?)
                 .buffer("TaaFound", &Buffer::new(device, "anti-aliasing: lengths of ways back", 4 * pixels)?)
-                .buffer("TaaWeights", &Buffer::new(device, "anti-aliasing: weights", 4 * pixels)?)
+                .buffer("TaaWeights", &Buffer::new(device, "anti-aliasing: weights", 8 * pixels)?)
                 .buffer("TaaSums", &sums),
             sums,
         })

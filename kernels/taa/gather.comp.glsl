@@ -5,7 +5,7 @@
 
 layout(set = 3, binding = 0, std430) readonly buffer TaaLights { TaaLight taa_lights[]; }; // of the frame at hand
 layout(set = 3, binding = 3, std430) buffer TaaSums { vec4 taa_sums[]; };
-layout(set = 3, binding = 8, std430) readonly buffer TaaWeights { float taa_weights[]; };
+layout(set = 3, binding = 8, std430) readonly buffer TaaWeights { vec2 taa_weights[]; };
 
 // Standard deviations of the pixels around, in each of luma and two chromas, that light of the past is kept within. With
 // 1.5, still pictures lose three times as much of their light.
@@ -41,8 +41,7 @@ void main() {
     vec3 light;
     if (!follow(pixel, light)) return;
     light = clipped(light, ivec2(pixel % push.width, pixel / push.width));
-    // The further back, the less, where light changes.
-    float weight = 1.0;
-    for (uint i = 0u; i < push.back; i++) weight *= taa_weights[pixel];
+    float weight = taa_weights[pixel].x;
+    for (uint i = 0u; i < push.back; i++) weight *= taa_weights[pixel].y;
     taa_sums[pixel] += weight * vec4(light, 1.0);
 }
