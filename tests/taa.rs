@@ -123,7 +123,7 @@ fn row(renderer: &mut Renderer) -> (Shown, Vec<Vec3>) {
 
 /// The frame by many samples.
 fn truth(request: &Request, scene: &Scene, frame: u32) -> Vec<Vec3> {
-    let settings = RenderSettings { samples: Some(256), seed: 7, frame, ..settings(request, None) };
+    let settings = RenderSettings { samples: Some(64), seed: 7, frame, ..settings(request, None) };
     show(&mut request.renderer(scene.clone(), &settings)).picture
 }
 
