@@ -3,7 +3,8 @@
 //!
 //! `cargo bench --bench flicker` looks at 48 frames of the pool; `--scene`, `--camera`, `--layer`, `--size`, `--frames`,
 //! `--truth reference:16`, `--photons`, `--set` (for the runs of its technique), `--device`, `--trace` and `--runs
-//! mnee:4,reference:16` (technique:samples) change that. Prints a table and writes `target/bench/flicker.json`.
+//! mnee:4,mnee:4:8` (technique:samples, and frames of anti-aliasing, which changes the layer `final` alone) change that.
+//! Prints a table and writes `target/bench/flicker.json`.
 //!
 //! The truth is the mean of two runs of one technique with seeds of their own. Its noise is known from their difference and
 //! taken out of what is shown: of the mean square of (difference of frames - the truth's), half the mean square noise of
@@ -17,6 +18,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use nephroid::render::{RenderSettings, Renderer};
+use nephroid::taa::{History, TaaSettings};
 use nephroid::technique::TechniqueKind;
 use nephroid::{scene, stats};
 use report::options;
@@ -28,11 +30,20 @@ struct Options {
     scene: PathBuf,
     layer: String,
     frames: u32,
-    truth: (TechniqueKind, u32),
+    truth: Run,
     /// Of the reference, a set.
     photons: u32,
-    runs: Vec<(TechniqueKind, u32)>,
+    runs: Vec<Run>,
     settings: RenderSettings,
+}
+
+/// Of all frames.
+#[derive(Clone, Copy)]
+struct Run {
+    technique: TechniqueKind,
+    samples: u32,
+    /// That anti-aliasing makes a picture of.
+    taa: Option<u32>,
 }
 
 /// One channel after the other, pixel by pixel.
@@ -42,6 +53,8 @@ type Picture = Vec<f32>;
 struct Row {
     technique: &'static str,
     samples: u32,
+    /// Frames of anti-aliasing.
+    taa: Option<u32>,
     /// Of the differences between frames, RMS over the truth's mean.
     flicker: f64,
     /// `flicker` before the truth's noise was taken out.
@@ -55,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options()?;
     let mut runs = Vec::new();
     for seed in TRUTH_SEEDS {
-        runs.push(sequence(&options, options.truth.0, options.truth.1, seed)?.0);
+        runs.push(sequence(&options, options.truth, seed)?.0);
     }
     let truth: Vec<Picture> = runs[0].iter().zip(&runs[1]).map(|(a, b)| mean_of(a, b)).collect();
     let mean = truth.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / truth.iter().flatten().count() as f64;
@@ -67,22 +80,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("true motion {:.2} % a frame; the truth's own noise {:.2} % of it", 100.0 * motion, {
         100.0 * (noise_of_steps / 2.0).sqrt() / mean / motion
     });
-    println!("{:<10} {:>8} {:>9} {:>9} {:>9} {:>10}", "", "samples", "flicker", "raw", "error", "CPU-s");
+    println!("{:<10} {:>8} {:>6} {:>9} {:>9} {:>9} {:>10}", "", "samples", "taa", "flicker", "raw", "error", "CPU-s");
     let mut rows = Vec::new();
-    for &(technique, samples) in &options.runs {
-        let (frames, seconds) = sequence(&options, technique, samples, 0)?;
+    for &run in &options.runs {
+        let (frames, seconds) = sequence(&options, run, 0)?;
         let raw = mean_square(&steps(&frames), &steps(&truth));
         let row = Row {
-            technique: technique.name(),
-            samples,
+            technique: run.technique.name(),
+            samples: run.samples,
+            taa: run.taa,
             flicker: (raw - noise_of_steps / 2.0).max(0.0).sqrt() / mean,
             raw: raw.sqrt() / mean,
             error: (mean_square(&frames, &truth) - noise_of_frames / 2.0).max(0.0).sqrt() / mean,
             cpu_seconds_per_frame: seconds / f64::from(options.frames),
         };
         println!(
-            "{:<10} {samples:>8} {:>8.2}% {:>8.2}% {:>8.2}% {:>10.2}",
+            "{:<10} {:>8} {:>6} {:>8.2}% {:>8.2}% {:>8.2}% {:>10.2}",
             row.technique,
+            row.samples,
+            row.taa.map_or("-".to_string(), |frames| frames.to_string()),
             100.0 * row.flicker,
             100.0 * row.raw,
             100.0 * row.error,
@@ -101,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "layer": options.layer,
             "size": options.settings.size,
             "frames": options.frames,
-            "truth": [options.truth.0.name(), options.truth.1.to_string().as_str()],
+            "truth": [options.truth.technique.name(), options.truth.samples.to_string().as_str()],
             "photons": options.photons,
             "true_motion": motion,
             "noise_of_truth": (noise_of_steps / 2.0).sqrt() / mean,
@@ -111,19 +127,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// All frames of a run, and the CPU-seconds of the process that they took.
-fn sequence(
-    options: &Options,
-    technique: TechniqueKind,
-    samples: u32,
-    seed: u32,
-) -> Result<(Vec<Picture>, f64), Box<dyn Error>> {
+fn sequence(options: &Options, run: Run, seed: u32) -> Result<(Vec<Picture>, f64), Box<dyn Error>> {
+    let Run { technique, samples, taa } = run;
     let mut set = Vec::new();
     if technique == TechniqueKind::Reference {
         set = vec![format!("reference.photons={}", options.photons), "reference.paths=refracted-once".to_string()];
     }
     let own = format!("{}.", technique.name());
     set.extend(options.settings.set.iter().filter(|item| item.starts_with(&own)).cloned());
-    let settings = RenderSettings { technique, samples: Some(samples), seed, set, ..options.settings.clone() };
+    let taa = taa.map(|frames| TaaSettings { frames, history: History::Numbered });
+    let settings = RenderSettings { technique, samples: Some(samples), seed, set, taa, ..options.settings.clone() };
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &settings)?;
     let start = stats::cpu_seconds();
     let mut frames = Vec::new();
@@ -158,9 +171,9 @@ fn options() -> Result<Options, Box<dyn Error>> {
         scene: "scenes/pool.toml".into(),
         layer: "refracted".to_string(),
         frames: 48,
-        truth: (TechniqueKind::Reference, 16),
+        truth: run("reference:16")?,
         photons: 500_000,
-        runs: vec![(TechniqueKind::Mnee, 4), (TechniqueKind::Mnee, 16), (TechniqueKind::Reference, 16)],
+        runs: ["mnee:4", "mnee:16", "reference:16"].map(run).into_iter().collect::<Result<_, _>>()?,
         settings: RenderSettings {
             camera: Some("under".to_string()),
             size: Some((96, 72)),
@@ -182,8 +195,13 @@ fn options() -> Result<Options, Box<dyn Error>> {
     Ok(options)
 }
 
-/// `technique:samples`.
-fn run(text: &str) -> Result<(TechniqueKind, u32), Box<dyn Error>> {
-    let (technique, samples) = text.split_once(':').ok_or("runs are technique:samples, separated by commas")?;
-    Ok((TechniqueKind::parse(technique)?, samples.parse()?))
+/// `technique:samples` or `technique:samples:frames`.
+fn run(text: &str) -> Result<Run, Box<dyn Error>> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let (technique, samples, taa) = match parts[..] {
+        [technique, samples] => (technique, samples, None),
+        [technique, samples, frames] => (technique, samples, Some(frames.parse()?)),
+        _ => return Err("runs are technique:samples or technique:samples:frames, separated by commas".into()),
+    };
+    Ok(Run { technique: TechniqueKind::parse(technique)?, samples: samples.parse()?, taa })
 }

@@ -84,6 +84,17 @@ impl Animator {
         Ok(())
     }
 
+    /// As [`keep_previous`](Self::keep_previous), but what is kept from now on is what was there whenever this is called.
+    pub fn keep_now(&mut self, scene: &Scene, gpu_scene: &GpuScene) -> Result<(), GpuError> {
+        match &mut self.previous {
+            Some(previous) => {
+                previous.by_hand = true;
+                previous.keep(&self.device, scene, gpu_scene, &mut Vec::new())
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The frame before, where it is kept and a frame has been gone to.
     pub fn previous(&self) -> Option<&Previous> {
         self.previous.as_ref()
@@ -118,7 +129,9 @@ impl Animator {
     ) -> Result<Moved, GpuError> {
         let mut times = Vec::new();
         // Going back costs a simulation all its steps.
-        if let Some(previous) = self.previous.as_mut().filter(|previous| previous.of != Some(frame)) {
+        if let Some(previous) =
+            self.previous.as_mut().filter(|previous| !previous.by_hand && previous.of != Some(frame))
+        {
             previous.of = None;
             let before = frame.saturating_sub(1);
             animation.pose(scene, animation.time(before));

@@ -1,7 +1,7 @@
 //! The film as 8-bit values for a screen, made on the device: four bytes a pixel come back instead of all layers.
 
 use crate::film::Film;
-use crate::gpu::{Buffer, Device, GpuError, Kernel, Recorder};
+use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
 use crate::image::tone::REINHARD_WHITE;
 use crate::scene::{FilmSettings, ToneCurve};
 
@@ -14,7 +14,7 @@ crate::gpu_struct! {
         pub gain: f32,
         pub white: f32,
         pub volume: u32,
-        pub padding0: u32,
+        pub summed: u32,
         pub padding1: u32,
     }
 }
@@ -50,31 +50,50 @@ impl Display {
     /// Within one step of 255 of what [`crate::image::tone::display`] makes of the same radiance: a device's `pow` is its
     /// own.
     pub fn read(&mut self, film: &Film, samples: u32, look: Look) -> Result<Vec<[u8; 4]>, GpuError> {
-        let pixels = film.pixels();
-        let bytes = 4 * u64::from(pixels);
+        let of = DisplayPush { samples: samples.max(1) as f32, volume: film.has_volume().into(), ..push(look) };
+        // What is not looked at is bound to anything.
+        let bindings = film.bindings.clone().buffer("TaaSums", film.sample_irradiance());
+        self.make(bindings, DisplayPush { pixels: film.pixels(), ..of })
+    }
+
+    /// The same of a picture of vec4 sums, radiance times weight and weight.
+    pub fn read_sums(&mut self, sums: &Buffer, pixels: u32, look: Look) -> Result<Vec<[u8; 4]>, GpuError> {
+        let mut bindings = Bindings::new().buffer("TaaSums", sums);
+        for name in ["FilmDirect", "FilmCaustic", "FilmVolume", "FilmCausticVolume"] {
+            bindings = bindings.buffer(name, sums);
+        }
+        self.make(bindings, DisplayPush { pixels, summed: 1, ..push(look) })
+    }
+
+    fn make(&mut self, bindings: Bindings, push: DisplayPush) -> Result<Vec<[u8; 4]>, GpuError> {
+        let bytes = 4 * u64::from(push.pixels);
         let buffer = match self.pixels.take().filter(|buffer| buffer.size() >= bytes) {
             Some(buffer) => buffer,
             None => Buffer::new(&self.device, "display pixels", bytes)?,
         };
-        let push = DisplayPush {
-            pixels,
-            curve: match look.tone_curve {
-                ToneCurve::Linear => 0,
-                ToneCurve::Reinhard => 1,
-            },
-            samples: samples.max(1) as f32,
-            gain: look.exposure.exp2(),
-            white: REINHARD_WHITE,
-            volume: film.has_volume().into(),
-            padding0: 0,
-            padding1: 0,
-        };
-        let bindings = film.bindings.clone().buffer("DisplayPixels", &buffer);
+        let bindings = bindings.buffer("DisplayPixels", &buffer);
         let mut recorder = Recorder::new(&self.device)?;
-        recorder.pass("frame/display")?.dispatch(&self.kernel, &[&bindings], &push, pixels)?;
+        recorder.pass("frame/display")?.dispatch(&self.kernel, &[&bindings], &push, push.pixels)?;
         recorder.submit()?;
-        let read = buffer.read(pixels as usize);
+        let read = buffer.read(push.pixels as usize);
         self.pixels = Some(buffer);
         read
+    }
+}
+
+/// Of no pixels.
+fn push(look: Look) -> DisplayPush {
+    DisplayPush {
+        pixels: 0,
+        curve: match look.tone_curve {
+            ToneCurve::Linear => 0,
+            ToneCurve::Reinhard => 1,
+        },
+        samples: 1.0,
+        gain: look.exposure.exp2(),
+        white: REINHARD_WHITE,
+        volume: 0,
+        summed: 0,
+        padding1: 0,
     }
 }

@@ -92,7 +92,8 @@ pub struct Frame {
     volume: Option<Kernel>,
     accumulate: Kernel,
     draws: Vec<(u32, u32)>,
-    seed: u32,
+    /// Seed of the jitter's sequence, and the number of its point that the first sample gets.
+    sequence: (u32, u32),
     jitter: [f32; 2],
 }
 
@@ -152,7 +153,7 @@ impl Frame {
             volume: lit_volume.then(|| Kernel::new(device, "frame/volume", variant)).transpose()?,
             accumulate: Kernel::new(device, "frame/accumulate", "")?,
             draws: (0u32..).zip(&scene.instances).map(|(i, instance)| (i, 3 * instance.triangles)).collect(),
-            seed: view.seed,
+            sequence: (view.seed, 0),
             jitter: [0.5; 2],
         })
     }
@@ -163,11 +164,16 @@ impl Frame {
         self.bindings = scene.bindings.clone().and(&tracer.bindings).and(&self.own);
         self.view = *view;
         self.view_buffer.upload(bytemuck::bytes_of(view))?;
-        self.seed = view.seed;
+        self.sequence = (view.seed, 0);
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.clear(device)?;
         }
         self.film.clear(device)
+    }
+
+    /// Takes the jitter from another sequence than the view's seed starts, from a point on; not where sampling is adaptive.
+    pub fn jitter_by(&mut self, (seed, first): (u32, u32)) {
+        self.sequence = (seed, first);
     }
 
     /// The camera, and the band that is rendered.
@@ -212,7 +218,8 @@ impl Frame {
     /// Those of the device. After an adaptive pilot the host reads back how much pixels vary.
     pub fn record(&mut self, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         let listed = self.adaptive.is_some().into();
-        let sample = Sample { jitter: random::sample_2d(index, self.seed), index, listed };
+        let (seed, first) = self.sequence;
+        let sample = Sample { jitter: random::sample_2d(first.wrapping_add(index), seed), index, listed };
         self.jitter = sample.jitter;
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.record_list(recorder, &self.bindings, index)?;

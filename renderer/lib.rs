@@ -20,6 +20,7 @@ pub mod render;
 pub mod scene;
 pub mod spans;
 pub mod stats;
+pub mod taa;
 pub mod technique;
 pub mod trace;
 pub mod view;

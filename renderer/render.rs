@@ -1,7 +1,9 @@
 //! From a scene and settings to a picture: the order of things above the frame.
 
+mod checks;
 mod error;
 mod report;
+mod temporal;
 
 use std::time::Instant;
 
@@ -16,10 +18,13 @@ use crate::motion::{self, MotionVectors};
 use crate::scene::{Camera, Light, Scene};
 use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
+use crate::taa::{History, Taa, TaaSettings};
 use crate::technique::{self, Context, Settings, Technique, TechniqueKind};
 use crate::trace::{self, TraceChoice, Tracer};
 use crate::view::{Band, View};
 
+use checks::{bands, camera};
+pub use checks::{check_frame, check_size};
 pub use error::RenderError;
 
 /// Pixels along one side of a picture, at most.
@@ -44,6 +49,8 @@ pub struct RenderSettings {
     pub frame: u32,
     /// Find motion vectors too, a layer of the picture; see [`MotionVectors::find`].
     pub motion: bool,
+    /// Make the picture of the samples of several frames.
+    pub taa: Option<TaaSettings>,
     /// `technique.key=value`; what the scene sets holds for the rest.
     pub set: Vec<String>,
 }
@@ -75,6 +82,11 @@ pub struct Renderer {
     tracer: Tracer,
     trace_choice: String,
     motion: Option<MotionVectors>,
+    taa: Option<Taa>,
+    taa_settings: Option<TaaSettings>,
+    /// Pictures that were shown, where anti-aliasing keeps those, and the camera of the last.
+    shown: u32,
+    shown_by: Option<Camera>,
     technique_kind: TechniqueKind,
     settings: Settings,
     /// The one looked through; the scene's own of that name, unless [`set_camera`](Renderer::set_camera) took another.
@@ -140,7 +152,7 @@ impl Renderer {
         let span = spans::span("build tracing structures");
         let (tracer, choice) = trace::choose(&device, &scene, &gpu_scene, settings.trace)?;
         drop(span);
-        if settings.motion {
+        if settings.motion || settings.taa.is_some() {
             animator.keep_previous(&gpu_scene)?;
         }
         let camera = camera(&scene, settings.camera.as_deref())?.clone();
@@ -154,6 +166,10 @@ impl Renderer {
             tracer,
             trace_choice: choice.reason,
             motion,
+            taa: None,
+            taa_settings: settings.taa,
+            shown: 0,
+            shown_by: None,
             technique_kind: settings.technique,
             settings: technique_settings,
             camera,
@@ -176,22 +192,25 @@ impl Renderer {
 
     /// Forgets all samples. Pipelines stay, and so do buffers whose size depends on the picture alone.
     pub fn restart(&mut self) -> Result<(), RenderError> {
+        self.leave(None)?;
         self.passes.clear();
         self.start_over()
     }
 
     fn start_over(&mut self) -> Result<(), RenderError> {
-        self.done = 0;
+        self.begin();
         if self.bands.is_empty() {
             return Ok(self.make_bands()?);
         }
         let views: Vec<View> = self.bands.iter().map(|band| self.view(band.rows)).collect();
-        let Self { device, scene, gpu_scene, tracer, bands, seed, .. } = self;
+        let (seed, jitter) = (self.own_seed(), self.jitter());
+        let Self { device, scene, gpu_scene, tracer, bands, .. } = self;
         for (BandState { frame, technique, .. }, view) in bands.iter_mut().zip(&views) {
             frame.restart(device, gpu_scene, tracer, view)?;
+            frame.jitter_by(jitter);
             if let Some(technique) = technique {
                 let _span = spans::span("restart technique");
-                technique.restart(&Context { device, scene, tracer, frame, seed: *seed })?;
+                technique.restart(&Context { device, scene, tracer, frame, seed })?;
             }
         }
         Ok(())
@@ -200,6 +219,7 @@ impl Renderer {
     /// Goes to a frame of the scene's animation and forgets all samples.
     pub fn go_to(&mut self, frame: u32) -> Result<(), RenderError> {
         check_frame(&self.scene, frame)?;
+        self.leave(Some(frame))?;
         self.passes.clear();
         self.move_to(frame)?;
         self.start_over()
@@ -208,7 +228,7 @@ impl Renderer {
     /// Takes the scene, its copy on the device, the tracing structures and the scene's own camera to a frame.
     fn move_to(&mut self, frame: u32) -> Result<(), RenderError> {
         self.frame = frame;
-        if !self.scene.animation.moves() && self.motion.is_none() {
+        if !self.scene.animation.moves() && self.motion.is_none() && self.taa_settings.is_none() {
             return Ok(());
         }
         let span = spans::span("animate");
@@ -237,12 +257,14 @@ impl Renderer {
 
     /// Looks through `camera` from now on, at whatever frame, and forgets all samples.
     pub fn set_camera(&mut self, camera: Camera) -> Result<(), RenderError> {
+        self.leave(None)?;
         (self.camera, self.own_camera) = (camera, false);
         self.restart()
     }
 
     /// Looks through the scene's camera of that name from now on, and forgets all samples.
     pub fn look_through(&mut self, name: &str) -> Result<(), RenderError> {
+        self.leave(None)?;
         (self.camera, self.own_camera) = (camera(&self.scene, Some(name))?.clone(), true);
         self.restart()
     }
@@ -254,6 +276,7 @@ impl Renderer {
     /// Lights the scene by `lights` from now on, at whatever frame, or by its own again, and forgets all samples. They are
     /// as many as the scene's, each of the same kind.
     pub fn set_lights(&mut self, lights: Option<Vec<Light>>) -> Result<(), RenderError> {
+        self.leave(None)?;
         if self.lights.is_none() {
             self.own_lights.clone_from(&self.scene.lights);
         }
@@ -302,7 +325,10 @@ impl Renderer {
     fn make_bands(&mut self) -> Result<(), GpuError> {
         let _span = spans::span("make pipelines");
         self.bands.clear();
-        self.done = 0;
+        self.begin();
+        self.taa = None;
+        let taa = self.taa_settings.map(|settings| Taa::new(&self.device, &self.tracer, self.size, settings));
+        self.taa = taa.transpose()?;
         let bytes = film::largest_bytes_per_pixel(self.scene.scatters());
         let rows = bands(self.size, bytes, self.device.info.limits.storage_range);
         self.bands = rows.into_iter().map(|band| self.band(band)).collect::<Result<_, _>>()?;
@@ -314,20 +340,15 @@ impl Renderer {
     }
 
     fn view(&self, band: Band) -> View {
-        View { seed: self.seed, ..View::new(&self.camera, &self.scene.film, self.size, band).of(&self.scene) }
-    }
-
-    /// That of the frame before. A camera that is not the scene's own stands still.
-    fn previous_view(&self, cameras: &[Camera], band: Band) -> View {
-        let own = cameras.iter().find(|camera| self.own_camera && camera.name == self.camera.name);
-        View::new(own.unwrap_or(&self.camera), &self.scene.film, self.size, band)
+        View { seed: self.own_seed(), ..View::new(&self.camera, &self.scene.film, self.size, band).of(&self.scene) }
     }
 
     fn band(&self, band: Band) -> Result<BandState, GpuError> {
         let view = self.view(band);
-        let frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
-        let context =
-            Context { device: &self.device, scene: &self.scene, tracer: &self.tracer, frame: &frame, seed: self.seed };
+        let mut frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
+        frame.jitter_by(self.jitter());
+        let Self { device, scene, tracer, .. } = self;
+        let context = Context { device, scene, tracer, frame: &frame, seed: self.own_seed() };
         let technique = technique::create(self.technique_kind, &self.settings, &context)?;
         Ok(BandState { rows: band, frame, technique })
     }
@@ -356,9 +377,20 @@ impl Renderer {
         &self.trace_choice
     }
 
-    /// Renders one more sample of every pixel, and waits for it.
+    /// Renders one more sample of every pixel, and waits for it. With anti-aliasing over numbered frames, the first sample
+    /// of a frame renders those before it, too, unless they have just been rendered.
     pub fn sample(&mut self) -> Result<Progress, RenderError> {
         self.check_bands()?;
+        if self.done == 0 {
+            self.render_frames_before()?;
+        }
+        self.render_sample()?;
+        // Reading the film back costs about as much as a tenth of a sample: asked for at powers of two and at the end.
+        let telling = self.done.is_power_of_two() || self.done == self.samples;
+        Ok(Progress { done: self.done, total: self.samples, noise: if telling { self.noise()? } else { None } })
+    }
+
+    fn render_sample(&mut self) -> Result<(), RenderError> {
         let _span = spans::span_of("sample", || self.done.to_string());
         for band in &mut self.bands {
             let span = spans::span("record");
@@ -371,9 +403,7 @@ impl Renderer {
             stats::add_times(&mut self.passes, &recorder.submit()?);
         }
         self.done += 1;
-        // Reading the film back costs about as much as a tenth of a sample: asked for at powers of two and at the end.
-        let telling = self.done.is_power_of_two() || self.done == self.samples;
-        Ok(Progress { done: self.done, total: self.samples, noise: if telling { self.noise()? } else { None } })
+        Ok(())
     }
 
     /// The first band's noise stands for the picture's.
@@ -390,10 +420,11 @@ impl Renderer {
         let rows = self.bands.iter().map(read).collect::<Result<Vec<FilmRows>, _>>()?;
         let mut image = film::assemble(self.size.0 as usize, self.size.1 as usize, &rows);
         let mut stats = self.stats()?;
+        self.anti_alias(&mut image, &mut stats)?;
         if let (Some(motion), Some(previous)) = (&self.motion, self.animator.previous()) {
             let mut vectors = Vec::new();
             for band in &self.bands {
-                let view = self.previous_view(&previous.cameras, band.rows);
+                let view = self.previous_view(previous, band.rows);
                 let (rows, times) = motion.find(&self.device, &band.frame, previous, &view)?;
                 vectors.extend(rows);
                 stats::add_times(&mut stats.passes, &times);
@@ -418,6 +449,9 @@ impl Renderer {
     /// The picture of the samples so far as a screen shows it: 8-bit sRGB with alpha 255, row 0 on top. For uniform
     /// sampling.
     pub fn display(&self, display: &mut Display, look: Look) -> Result<Vec<[u8; 4]>, RenderError> {
+        if let Some(taa) = self.resolve(&mut Vec::new())? {
+            return Ok(display.read_sums(taa.sums(), self.size.0 * self.size.1, look)?);
+        }
         let mut pixels = Vec::new();
         for band in &self.bands {
             pixels.extend(display.read(&band.frame.film, self.done, look)?);
@@ -433,63 +467,5 @@ impl Renderer {
     /// The times of passes, summed over the samples so far.
     pub fn passes(&self) -> &[PassTotal] {
         &self.passes
-    }
-}
-
-fn camera<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a Camera, RenderError> {
-    let found = match name {
-        Some(name) => scene.cameras.iter().find(|camera| camera.name == name),
-        None => scene.cameras.first(),
-    };
-    found.ok_or_else(|| RenderError::UnknownCamera {
-        scene: scene.path.display().to_string(),
-        found: name.unwrap_or_default().to_string(),
-        allowed: scene.cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", "),
-    })
-}
-
-/// Fails for a picture that is empty or larger than is allowed.
-pub fn check_size((width, height): (u32, u32)) -> Result<(), RenderError> {
-    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
-        Ok(())
-    } else {
-        Err(RenderError::Size { width, height })
-    }
-}
-
-/// Fails for a frame that the scene's water cannot be taken to within days.
-pub fn check_frame(scene: &Scene, frame: u32) -> Result<(), RenderError> {
-    let last = scene.animation.last_frame();
-    if frame > last {
-        return Err(RenderError::Frame { scene: scene.path.display().to_string(), frame, last });
-    }
-    Ok(())
-}
-
-/// Bands of rows whose largest buffer, of `bytes` a pixel, fits into a storage range of `limit` bytes.
-fn bands((width, height): (u32, u32), bytes: u64, limit: u64) -> Vec<Band> {
-    let rows = (limit / (bytes * u64::from(width))).clamp(1, u64::from(height)) as u32;
-    (0..height).step_by(rows as usize).map(|first| Band { first, count: rows.min(height - first) }).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bands_cover_every_row_once_and_fit() {
-        for bytes in [false, true].map(film::largest_bytes_per_pixel) {
-            for (size, limit) in
-                [((480, 360), 1 << 27), ((1920, 1080), 1 << 27), ((16384, 16384), 1 << 27), ((7, 5), 1)]
-            {
-                let bands = bands(size, bytes, limit);
-                assert_eq!(bands.iter().map(|b| b.count).sum::<u32>(), size.1);
-                assert!(bands.windows(2).all(|pair| pair[0].first + pair[0].count == pair[1].first));
-                let largest = bands.iter().map(|b| u64::from(b.count) * u64::from(size.0) * bytes).max();
-                assert!(largest <= Some(limit) || bands.iter().all(|b| b.count == 1));
-            }
-        }
-        let portable = bands((1920, 1080), film::largest_bytes_per_pixel(false), 1 << 27);
-        assert_eq!(portable.len(), 1, "full HD fits the portable storage range in one band");
     }
 }

@@ -9,7 +9,7 @@ struct DisplayPush {
     float gain;
     float white;    // luminance that Reinhard's curve sends to 1
     uint volume;    // 1: the film has light that media scatter
-    uint padding0;
+    uint summed;    // 1: the picture is in sums made of several frames, and not in the film
     uint padding1;
 };
 layout(set = 2, binding = 0, std430) writeonly buffer DisplayPixels { uint display_pixels[]; };
@@ -17,6 +17,7 @@ layout(set = 2, binding = 6, std430) readonly buffer FilmDirect { vec4 film_dire
 layout(set = 2, binding = 10, std430) readonly buffer FilmCaustic { vec4 film_caustic[]; };
 layout(set = 2, binding = 18, std430) readonly buffer FilmVolume { vec4 film_volume[]; };
 layout(set = 2, binding = 19, std430) readonly buffer FilmCausticVolume { vec4 film_caustic_volume[]; };
+layout(set = 2, binding = 20, std430) readonly buffer TaaSums { vec4 taa_sums[]; }; // radiance times weight, weight
 layout(push_constant) uniform DisplayPushes { DisplayPush push; };
 
 const uint CURVE_REINHARD = 1u;
@@ -28,8 +29,8 @@ float srgb(float linear) {
 void main() {
     uint pixel = linear_index();
     if (pixel >= push.pixels) return;
-    vec3 color = vec3(0.0);
-    for (uint layer = 0u; layer < 2u; layer++) {
+    vec3 color = push.summed != 0u ? taa_sums[pixel].rgb / taa_sums[pixel].w : vec3(0.0);
+    for (uint layer = 0u; push.summed == 0u && layer < 2u; layer++) {
         uint slot = layer * push.pixels + pixel;
         color += film_direct[slot].rgb / push.samples + film_caustic[slot].rgb;
         if (push.volume != 0u) color += film_volume[slot].rgb / push.samples + film_caustic_volume[slot].rgb;

@@ -1,65 +1,12 @@
 // How far what is seen at each pixel's centre has moved in the picture since the frame before, one invocation a pixel.
 #include "shared/index.glsl"
-#include "shared/scene.glsl"
-#include "shared/view.glsl"
-#include "trace/interface.glsl"
+#include "shared/motion.glsl"
 
-layout(set = 3, binding = 0, std430) readonly buffer PreviousVertices { Vertex previous_vertices[]; };
-layout(set = 3, binding = 1, std430) readonly buffer PreviousInstances { Instance previous_instances[]; };
-layout(set = 3, binding = 2, std430) readonly buffer PreviousViews { View previous_view; };
 layout(set = 3, binding = 3, std430) writeonly buffer MotionVectors { vec2 motion_vectors[]; };
-
-// Pixels from the picture's upper left corner. `along` is the component on the viewing direction.
-vec2 place_in(View camera, vec3 way, out float along) {
-    precise float ahead = dot(way, camera.forward);
-    precise vec2 at = vec2(dot(way, camera.right) / dot(camera.right, camera.right),
-                           -dot(way, camera.up) / dot(camera.up, camera.up));
-    precise vec2 place = (0.5 * at / ahead + 0.5) * vec2(camera.width, camera.height);
-    along = ahead;
-    return place;
-}
-
-// Whether a place in the picture is finite.
-bool in_front(float along, vec3 way) {
-    return along > 1e-6 * length(way);
-}
-
-vec3 point_of(vec3 a, vec3 b, vec3 c, vec2 barycentrics) {
-    precise vec3 point = a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y;
-    return point;
-}
-
-vec3 placed(vec4 to_world[3], vec3 point) {
-    precise vec3 place = vec3(dot(to_world[0].xyz, point) + to_world[0].w, dot(to_world[1].xyz, point) + to_world[1].w,
-                              dot(to_world[2].xyz, point) + to_world[2].w);
-    return place;
-}
 
 void main() {
     uint pixel = linear_index();
     if (pixel >= view.width * view.rows) return;
-    vec3 direction = pixel_direction(uvec2(pixel % view.width, pixel / view.width), vec2(0.5));
-    Hit hit = trace_closest(Ray(view.position, 0.0, direction, 1e30), MASK_ALL);
-    // The background is infinitely far: cameras that turn move it, cameras that travel do not.
-    precise vec3 now = direction;
-    precise vec3 before = direction;
-    if (hit.instance != NO_INSTANCE) {
-        Instance instance = instances[hit.instance];
-        Instance was = previous_instances[hit.instance];
-        uvec3 corner = triangle_vertices(instance, hit.primitive);
-        vec3 point = point_of(vertices[corner.x].position, vertices[corner.y].position, vertices[corner.z].position,
-                              hit.barycentrics);
-        vec3 point_before = point_of(previous_vertices[corner.x].position, previous_vertices[corner.y].position,
-                                     previous_vertices[corner.z].position, hit.barycentrics);
-        now = placed(instance.to_world, point) - view.position;
-        before = placed(was.to_world, point_before) - previous_view.position;
-    }
-    // Both by one formula, every operation of it as it is written, so that what stands still has no motion at all.
-    float along_now;
-    float along_before;
-    vec2 at = place_in(view, now, along_now);
-    vec2 was_at = place_in(previous_view, before, along_before);
-    bool seen = in_front(along_now, now) && in_front(along_before, before);
-    precise vec2 moved = at - was_at;
-    motion_vectors[pixel] = seen ? moved : vec2(0.0);
+    Motion m = motion_of(pixel);
+    motion_vectors[pixel] = m.was_before ? m.moved : vec2(0.0);
 }

@@ -13,6 +13,8 @@ pub struct Previous {
     pub cameras: Vec<Camera>,
     /// The frame whose predecessor this is.
     pub(super) of: Option<u32>,
+    /// Whether it is what was shown before, whatever frame that was of.
+    pub(super) by_hand: bool,
     vertices: Buffer,
     instances: Buffer,
 }
@@ -23,7 +25,7 @@ impl Previous {
         let size = (gpu_scene.instances.len() * size_of::<records::Instance>()) as u64;
         let instances = Buffer::new(device, "instances of the frame before", size)?;
         let bindings = Bindings::new().buffer("PreviousVertices", &vertices).buffer("PreviousInstances", &instances);
-        Ok(Previous { bindings, cameras: Vec::new(), of: None, vertices, instances })
+        Ok(Previous { bindings, cameras: Vec::new(), of: None, by_hand: false, vertices, instances })
     }
 
     /// Takes over where everything is now.

@@ -227,7 +227,9 @@ impl Row<'_> {
         let device = renderer.device().clone();
         self.teller.tell_device(&renderer);
         self.teller.warn(&device.warnings());
-        self.teller.tell_late_start(renderer.scene(), frames.first().copied().unwrap_or_default());
+        let first = frames.first().copied().unwrap_or_default();
+        self.teller.tell_late_start(renderer.scene(), first);
+        self.teller.tell_frames_before(&renderer, first);
         let now = Maker { device: device.info.describe(), tier: renderer.tier() };
         warn_of_makers(self.teller, Some(&now), kept);
         self.warn_of_shards(&device, shard, settings);

@@ -4,10 +4,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 
 use crate::gpu::{Capabilities, Capability, DeviceRequest};
 use crate::render::{MAX_SIDE, RenderSettings};
+use crate::taa::{self, History, TaaSettings};
 use crate::technique::{Setting, TechniqueKind};
 use crate::trace::TraceChoice;
 
@@ -41,6 +42,11 @@ pub struct PictureArgs {
     /// Write motion vectors too: how far what each pixel shows has moved since the frame before, an EXR layer
     #[arg(long)]
     pub motion: bool,
+    /// Temporal anti-aliasing: the picture is made of the samples of N frames, 2 to 64, this one and those before it, each
+    /// moved to where things are now; 8 where no N is given
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = TAA_FRAMES)]
+    #[arg(value_parser = taa_frames())]
+    pub taa: Option<u32>,
     /// Index or part of the name of the device to use, see 'nephroid devices' [default: the most capable]
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
@@ -86,6 +92,7 @@ impl PictureArgs {
             seed: self.seed,
             frame,
             motion: self.motion,
+            taa: self.taa.map(|frames| TaaSettings { frames, history: History::Numbered }),
             set: self.set.clone(),
         }
     }
@@ -117,6 +124,14 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
 fn side(name: &str, text: &str) -> Result<u32, String> {
     let pixels = text.parse().ok().filter(|pixels| (1..=MAX_SIDE).contains(pixels));
     pixels.ok_or_else(|| format!("the {name} is '{text}'; allowed are whole numbers from 1 to {MAX_SIDE}"))
+}
+
+/// [`taa::DEFAULT_FRAMES`] as it would be given.
+pub(super) const TAA_FRAMES: &str = "8";
+
+pub(super) fn taa_frames() -> RangedU64ValueParser<u32> {
+    let allowed = u64::from(*taa::FRAMES.start())..=u64::from(*taa::FRAMES.end());
+    RangedU64ValueParser::new().range(allowed)
 }
 
 pub(super) fn disable_help() -> String {

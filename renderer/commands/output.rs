@@ -95,6 +95,17 @@ impl Teller {
         }
     }
 
+    /// Where anti-aliasing makes the picture of `frame`, the first, of frames before it too.
+    pub fn tell_frames_before(&self, renderer: &Renderer, frame: u32) {
+        let first = frame.saturating_sub(renderer.taa_frames() - 1);
+        if first < frame {
+            self.tell(format_args!(
+                "History frames {first} to {} are rendered first: the picture is made of them",
+                frame - 1
+            ));
+        }
+    }
+
     pub fn tell_file(&self, path: &Path) {
         let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.tell(format_args!("Wrote   {}", full.display()));

@@ -50,6 +50,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, PictureError> {
     teller.tell_device(&renderer);
     teller.warn(&device.warnings());
     teller.tell_late_start(renderer.scene(), args.frame);
+    teller.tell_frames_before(&renderer, args.frame);
 
     let (done, kernels) = render(&mut renderer, args)?;
     let Picture { mut image, stats } = renderer.finish()?;

@@ -68,6 +68,7 @@ impl Request {
         let of_technique: Vec<_> = technique.iter().collect();
         hash.text(format_args!("{camera:?} {} {of_technique:?}", settings.technique.name()));
         hash.text(format_args!("{} {} {}", settings.adaptive, settings.seed, settings.motion));
+        hash.text(format_args!("{:?}", settings.taa));
         Ok(Request(hash.hex()))
     }
 

@@ -9,6 +9,7 @@ use super::args::{self, MOST_SAMPLES};
 use super::interrupt;
 use crate::gpu::{Capabilities, DeviceRequest};
 use crate::render::RenderSettings;
+use crate::taa::{History, TaaSettings};
 use crate::technique::TechniqueKind;
 use crate::trace::TraceChoice;
 use crate::viewer::{self, Closed, ViewError, ViewSettings};
@@ -47,6 +48,11 @@ pub struct ViewArgs {
     /// The frame of the scene's animation to begin with
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub frame: u32,
+    /// Temporal anti-aliasing: while things move, the picture is made of N pictures, 2 to 64, this one and those shown
+    /// before it, each moved to where things are now; 8 where no N is given
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = args::TAA_FRAMES)]
+    #[arg(value_parser = args::taa_frames())]
+    pub taa: Option<u32>,
     /// Index or part of the name of the device to use [default: the most capable that can show a window]
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
@@ -101,6 +107,7 @@ pub fn run(args: &ViewArgs) -> Result<ExitCode, ViewError> {
             seed: args.seed,
             frame: args.frame,
             motion: false,
+            taa: args.taa.map(|frames| TaaSettings { frames, history: History::Shown }),
             set: args.set.clone(),
         },
         samples: args.samples,

@@ -59,6 +59,23 @@ fn shards_and_stills_are_the_frames_of_one_run() {
 }
 
 #[test]
+fn anti_aliased_frames_are_those_of_one_run_too() {
+    let folder = moving();
+    let picture = format!("{NONE} --taa=3 -o");
+    folder.run(&format!("animate scene.toml --frames 1..5 {picture} whole/f_%03d.exr"));
+    folder.run(&format!("animate scene.toml --frames 1..5 --shard 1/2 {picture} parts/f_%03d.exr"));
+    folder.run(&format!("animate scene.toml --frames 1..5 --resume {picture} parts/f_%03d.exr"));
+    let whole = files(&folder, "whole");
+    assert!(whole == files(&folder, "parts"), "parts are other files");
+    fs::create_dir(folder.at("still")).unwrap();
+    folder.run(&format!("render scene.toml --frame 4 {picture} still/f_004.exr"));
+    assert!(files(&folder, "still") == whole[3..4], "a still is another picture");
+    // The window's length is a part of what is asked for.
+    folder.run(&format!("animate scene.toml --frames 1..5 --resume {NONE} --taa=2 -o parts/f_%03d.exr"));
+    assert!(whole != files(&folder, "parts"), "frames of another window were kept");
+}
+
+#[test]
 fn a_scene_says_how_many_frames_it_has() {
     let folder = moving();
     let command = format!("animate scene.toml {NONE} -o f_%d.png");

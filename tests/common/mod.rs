@@ -167,6 +167,7 @@ fn expected_drivers() -> Vec<(&'static str, &'static str)> {
 const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "a_ball_of_glass_is_the_reference",
     "adaptive_samples_keep_the_light",
+    "all_techniques_are_treated_alike",
     "beams_through_waves_are_the_truth",
     "each_rule_splits",
     "even_light_is_flat_at_every_tilt",

@@ -11,6 +11,8 @@ use crate::stats::{self, PassTotal, Stats};
 const OF_FRAME: [&str; 7] = ["samples", "adaptive", "passes", "ledger", "counters", "noise", "warnings"];
 /// Frames with a report of some ten kilobytes of their own; those of a million would fill a machine.
 const MOST_REPORTS: usize = 10_000;
+/// Passes of moving the scene, which are within what the host's clock measures.
+const MOVING: [&str; 2] = ["animate/", "trace/"];
 /// Of the process since its start, which says nothing about a frame.
 const OF_PROCESS: [&str; 3] = ["cpu_seconds", "wall_seconds", "peak_memory_bytes"];
 
@@ -105,9 +107,11 @@ impl Split {
         }
     }
 
-    /// Counts what happened while samples were rendered.
+    /// Counts what happened while samples were rendered, those of frames before that a picture is made of among them.
     pub fn rendered(&mut self, events: &[Event]) {
-        for event in events.iter().filter(|event| event.track == Track::Device) {
+        self.moved(events);
+        let moves = |event: &Event| MOVING.iter().any(|folder| event.name.starts_with(folder));
+        for event in events.iter().filter(|event| event.track == Track::Device && !moves(event)) {
             self.part(&event.name).add(event);
         }
     }
@@ -115,8 +119,9 @@ impl Split {
     /// Takes back what is said of parts with passes that were not timed. `passes`: all of the frame.
     pub fn untimed(&mut self, passes: &[PassTotal]) {
         for pass in passes.iter().filter(|pass| pass.milliseconds.is_none()) {
-            // Those of moving the scene and of motion vectors are within what the host's clock measures.
-            let by_host = ["animate/", "trace/", "frame/motion"].iter().any(|name| pass.name.starts_with(name));
+            // Those of motion vectors and anti-aliasing, too.
+            let mut by_host = MOVING.iter().chain(&["frame/motion", "taa/"]);
+            let by_host = by_host.any(|name| pass.name.starts_with(name));
             if !by_host {
                 *self.part(&pass.name) = Cost { milliseconds: None, cpu_seconds: None };
             }
@@ -126,7 +131,7 @@ impl Split {
     /// Where a pass that renders a sample belongs.
     fn part(&mut self, pass: &str) -> &mut Cost {
         match pass.split_once('/').map_or("", |(folder, _)| folder) {
-            "frame" | "film" => &mut self.frame,
+            "frame" | "film" | "taa" => &mut self.frame,
             // What the host reads between samples is no work of the technique.
             "memory" => &mut self.output,
             _ => &mut self.technique,
