@@ -157,3 +157,13 @@ fn describe(help: &mut String, technique: &str, setting: &Setting) {
     let comma = if unit.is_empty() { "" } else { ", " };
     let _ = write!(help, "\n  --set {technique}.{key}={default}\n      {meaning} ({}{comma}{unit})", kind.allowed());
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_of_anti_aliasing_are_the_default() {
+        assert_eq!(TAA_FRAMES.parse(), Ok(taa::DEFAULT_FRAMES));
+    }
+}
