@@ -44,6 +44,18 @@ bool is_hidden(LightView camera, vec4 at) {
     return at.w > depth_slabs[slab_index(camera, push.store.camera, 0u, uvec2(place))].x;
 }
 
+// What photons/rescue needs of a photon that landed at a texel of its light's view, on what the camera's does not show.
+PhotonRecord hidden_landing(Photon p, vec3 flux, Trail trail) {
+    LightView v = light_views[p.view];
+    uvec2 ids = opaque_ids[id_index(v, trail.texel)];
+    vec3 position = p.origin + trail.t * p.direction;
+    Surface s = surface_at(ids.x - 1u, ids.y, barycentrics_of(ids, position));
+    // The shading normal of the side that is seen, as the plane's is.
+    vec3 shading = dot(s.shading, trail.plane.normal) < 0.0 ? -s.shading : s.shading;
+    flux *= shading_ratio(p.direction, shading, trail.plane.normal);
+    return PhotonRecord(position, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
+}
+
 // Over the light's view, then over the camera's from where that ended. What is left for photons/rescue.
 PhotonRecord follow(Photon p) {
     bool rescue = (push.options & OPTION_RESCUE) != 0u;
@@ -86,7 +98,7 @@ PhotonRecord follow(Photon p) {
         return no_photon();
     }
     ends(LEDGER_HIDDEN, flux);
-    return PhotonRecord(p.origin + trail.t * p.direction, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
+    return rescue ? hidden_landing(p, flux, trail) : no_photon();
 }
 
 void main() {

@@ -7,6 +7,7 @@ mod settings;
 mod shares;
 mod spaces;
 
+use settings::REFRACTION_SCREEN;
 pub use settings::{DENOISE_TEMPORAL, SETTINGS};
 
 use super::{Context, CounterEntry, LedgerEntry, Settings, Technique};
@@ -91,6 +92,18 @@ crate::gpu_struct! {
     }
 }
 
+crate::gpu_struct! {
+    pub struct RefractPush {
+        pub camera: u32,
+        pub max_steps: u32,
+        pub jitter: [f32; 2],
+        pub listed: u32,
+        pub linear: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+    }
+}
+
 pub const LAYOUTS: &[Layout] = &[
     Share::LAYOUT,
     StorePush::LAYOUT,
@@ -100,6 +113,7 @@ pub const LAYOUTS: &[Layout] = &[
     RescuePush::LAYOUT,
     IrradiancePush::LAYOUT,
     ShowPush::LAYOUT,
+    RefractPush::LAYOUT,
     spaces::CameraTexel::LAYOUT,
     spaces::SeePush::LAYOUT,
     spaces::PyramidPush::LAYOUT,
@@ -129,6 +143,8 @@ struct Kernels {
     rescue: Option<Kernel>,
     irradiance: Kernel,
     show: Kernel,
+    /// With screen-space refraction.
+    refract: Option<Kernel>,
 }
 
 /// The technique's state for one band.
@@ -235,12 +251,14 @@ impl Photons {
         };
         let first_set = denoiser.as_ref().map_or(0, Denoiser::sets);
         let variant = context.tracer.backend.variant();
+        let refracts = settings.choice("refraction") == REFRACTION_SCREEN;
         let kernels = Kernels {
             emit: Kernel::new(device, "photons/emit", "")?,
             trace: Kernel::new(device, "photons/trace", "")?,
             rescue: rescue.then(|| Kernel::new(device, "photons/rescue", variant)).transpose()?,
             irradiance: Kernel::new(device, "photons/irradiance", "")?,
             show: Kernel::new(device, "photons/show", "")?,
+            refract: refracts.then(|| Kernel::new(device, "photons/refract", "")).transpose()?,
         };
         Ok(Photons {
             settings: settings.clone(),
@@ -341,6 +359,19 @@ impl Technique for Photons {
                 &ShowPush { store },
                 frame.slots(),
             )?;
+            if let Some(refract) = &self.kernels.refract {
+                let push = RefractPush {
+                    camera: store.camera,
+                    max_steps: self.trace.max_steps,
+                    jitter: frame.jitter(),
+                    listed: u32::from(frame.adaptive().is_some()),
+                    linear: u32::from(self.trace.options & LINEAR_MARCH != 0),
+                    padding0: 0,
+                    padding1: 0,
+                };
+                // The first layer's slots: what is reflected is looked up at its points.
+                recorder.pass("photons/refract")?.dispatch(refract, &bindings, &push, frame.slots() / 2)?;
+            }
         }
         frame.record_caustic(recorder, index)
     }

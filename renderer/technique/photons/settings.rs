@@ -78,6 +78,15 @@ pub const SETTINGS: &[Setting] = &[
                and at an angle",
     },
     Setting {
+        key: "refraction",
+        kind: SettingKind::Choice(&["points", REFRACTION_SCREEN]),
+        default: "points",
+        unit: "",
+        help: "Where the light is looked up that is seen through an interface. points: at the visible points, which are traced. \
+               screen: where the first refracted ray meets what the camera sees straight ahead, marching over that, as \
+               is usual where no rays are traced; albedo and direct light stay those of the points",
+    },
+    Setting {
         key: "roughness",
         kind: SettingKind::Number { min: 0.0, max: 1.0 },
         default: "0.3",
@@ -168,5 +177,6 @@ pub const SETTINGS: &[Setting] = &[
     },
 ];
 
+pub(super) const REFRACTION_SCREEN: &str = "screen";
 pub(super) const DENOISE_OFF: &str = "off";
 pub const DENOISE_TEMPORAL: &str = "temporal";
