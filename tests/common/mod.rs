@@ -173,6 +173,7 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "photons_at_odd_settings_are_sound",
     "pictures_have_less_noise_and_the_same_light",
     "single_specular_light_is_the_reference",
+    "slats_shine_evenly",
     "smoke_scatters_as_quadrature_says",
     "ways_to_see_agree",
 ];

@@ -28,6 +28,7 @@ crate::gpu_struct! {
         pub seed: u32,
         pub flux_unit: f32,
         pub probes: u32,
+        pub near: u32,
     }
 }
 
@@ -114,6 +115,7 @@ pub const LAYOUTS: &[Layout] = &[
     IrradiancePush::LAYOUT,
     ShowPush::LAYOUT,
     RefractPush::LAYOUT,
+    spaces::CoveragePush::LAYOUT,
     spaces::CameraTexel::LAYOUT,
     spaces::SeePush::LAYOUT,
     spaces::PyramidPush::LAYOUT,
@@ -129,10 +131,12 @@ const LINEAR_MARCH: u32 = 1;
 const LINEAR_END: u32 = 2;
 const RESCUE: u32 = 4;
 const PRINTED_AREA: u32 = 8;
-/// Slots of the table of cubes, 16 B each.
-const CUBES: u32 = 1 << 21;
+/// Most slots of the table of cubes, which fill what a device has to offer to a buffer, and least.
+const CUBES: [u32; 2] = [1 << 10, 1 << 23];
 /// Slots looked at for a cube.
 const PROBES: u32 = 16;
+/// Texels looked at for a place: its own and those round it.
+const NEAR: u32 = 9;
 /// Entries of the ledger that one photon can have a share in.
 const FATES: u32 = 6;
 const CUBE_BYTES: u64 = 16;
@@ -190,7 +194,9 @@ impl Photons {
         let bound: f64 = powers.iter().map(|power| power.bound).sum();
         let unit = ((bound / UNITS) as f32).max(f32::MIN_POSITIVE);
         let rescue = settings.choice("rescue") == "rays";
-        let cubes = if rescue { CUBES } else { 0 };
+        // No photon fills more than two in the mean.
+        let slots = (2 * photons).next_power_of_two().clamp(CUBES[0], CUBES[1]);
+        let cubes = if rescue { slots } else { 0 };
         let option = |key: &str, value: &str, bit: u32| if settings.choice(key) == value { bit } else { 0 };
         let roughness = settings.number("roughness");
         let trace = TracePush {
@@ -201,6 +207,7 @@ impl Photons {
                 seed: 0,
                 flux_unit: unit,
                 probes: PROBES,
+                near: NEAR,
             },
             ledger_unit: unit,
             photons,
@@ -344,7 +351,7 @@ impl Technique for Photons {
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         if self.trace.photons > 0 {
             if !self.found {
-                self.spaces.record(recorder, &frame.bindings)?;
+                self.spaces.record(recorder, &frame.bindings, self.trace.store)?;
                 self.found = true;
             }
             let set = self.first_set.wrapping_add(index / self.reuse);

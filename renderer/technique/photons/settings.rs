@@ -110,7 +110,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting {
         key: "cube",
         kind: SettingKind::Number { min: 0.25, max: 64.0 },
-        default: "2",
+        default: "1",
         unit: "pixels",
         help: "Least side of the cubes in space that hold the light of places which the camera's view does not show",
     },
