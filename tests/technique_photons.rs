@@ -17,6 +17,8 @@ mod march;
 mod reference;
 #[path = "technique_photons/refraction.rs"]
 mod refraction;
+#[path = "technique_photons/splats.rs"]
+mod splats;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -35,6 +37,8 @@ fn main() -> ExitCode {
         case("slats_shine_evenly", edges::slats_shine_evenly),
         case("unseen_light_goes_by_the_shading_normal", edges::unseen_light_goes_by_the_shading_normal),
         case("screen_space_refraction_shows_what_points_show", refraction::screen),
+        case("discs_make_even_light_smoother", splats::smoother),
+        case("discs_keep_to_their_surface", splats::keep_to_their_surface),
         case("both_marches_hit_the_same", march::both),
         case("photons_are_accounted_for", ledger::adds_up),
         case("fresnel_choice_loses_no_light", ledger::fresnel),

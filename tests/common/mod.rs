@@ -164,6 +164,7 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "a_ball_of_glass_is_the_reference",
     "adaptive_samples_keep_the_light",
     "beams_through_waves_are_the_truth",
+    "discs_keep_to_their_surface",
     "each_rule_splits",
     "even_light_is_flat_at_every_tilt",
     "extreme_media_are_finite",

@@ -20,11 +20,12 @@ const uint OPTION_LINEAR_MARCH = 1u;
 const uint OPTION_LINEAR_END = 2u;
 const uint OPTION_RESCUE = 4u;
 const uint OPTION_PRINTED_AREA = 8u; // Eq. 3 as printed: flux times the incident cosine (erratum 12)
+const uint OPTION_SPLATS = 16u;      // photons/splat draws them
 
 // Cosine between a photon and what it lands on below which it is counted as grazing.
 const float SKIMMING = 0.05;
 
-// Into a texel of the camera's view, after `t` metres; what is left for photons/rescue.
+// Into a texel of the camera's view, after `t` metres; what is left for others to do.
 PhotonRecord land(Photon p, vec3 flux, float t, uint texel) {
     ends(LEDGER_LANDED, flux);
     CameraTexel seen = camera_texels[texel];
@@ -33,8 +34,10 @@ PhotonRecord land(Photon p, vec3 flux, float t, uint texel) {
     vec3 shading = unpack_direction(seen.shading);
     bool printed = (push.options & OPTION_PRINTED_AREA) != 0u;
     flux *= printed ? max(-dot(p.direction, shading), 0.0) : shading_ratio(p.direction, shading, geometric);
-    add_to_texel(texel, flux, push.store.flux_unit);
-    return (push.options & OPTION_RESCUE) != 0u ? PhotonRecord(p.origin + t * p.direction, texel, flux, LANDED) : no_photon();
+    bool splats = (push.options & OPTION_SPLATS) != 0u;
+    if (!splats) add_to_texel(texel, flux, push.store.flux_unit);
+    bool kept = splats || (push.options & OPTION_RESCUE) != 0u;
+    return kept ? PhotonRecord(p.origin + t * p.direction, texel, flux, LANDED) : no_photon();
 }
 
 // Whether a place is behind what the camera's view shows, or outside of it; what floats before that has not landed yet.
@@ -56,7 +59,7 @@ PhotonRecord hidden_landing(Photon p, vec3 flux, Trail trail) {
     return PhotonRecord(position, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
 }
 
-// Over the light's view, then over the camera's from where that ended. What is left for photons/rescue.
+// Over the light's view, then over the camera's from where that ended. What is left for others to do.
 PhotonRecord follow(Photon p) {
     bool rescue = (push.options & OPTION_RESCUE) != 0u;
     MarchSettings how = MarchSettings((push.options & OPTION_LINEAR_MARCH) == 0u, (push.options & OPTION_LINEAR_END) != 0u,

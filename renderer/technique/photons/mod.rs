@@ -64,7 +64,17 @@ crate::gpu_struct! {
         pub ledger_unit: f32,
         pub photons: u32,
         pub printed_area: u32,
+        pub splats: u32,
         pub fates: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct SplatPush {
+        pub camera: u32,
+        pub photons: u32,
+        pub flux_unit: f32,
+        pub radius: f32,
     }
 }
 
@@ -115,6 +125,7 @@ pub const LAYOUTS: &[Layout] = &[
     IrradiancePush::LAYOUT,
     ShowPush::LAYOUT,
     RefractPush::LAYOUT,
+    SplatPush::LAYOUT,
     spaces::CoveragePush::LAYOUT,
     spaces::CameraTexel::LAYOUT,
     spaces::SeePush::LAYOUT,
@@ -131,6 +142,7 @@ const LINEAR_MARCH: u32 = 1;
 const LINEAR_END: u32 = 2;
 const RESCUE: u32 = 4;
 const PRINTED_AREA: u32 = 8;
+const SPLATS: u32 = 16;
 /// Most slots of the table of cubes, which fill what a device has to offer to a buffer, and least.
 const CUBES: [u32; 2] = [1 << 10, 1 << 23];
 /// Slots looked at for a cube.
@@ -145,6 +157,8 @@ struct Kernels {
     emit: Kernel,
     trace: Kernel,
     rescue: Option<Kernel>,
+    /// Where photons are drawn as discs.
+    splat: Option<Kernel>,
     irradiance: Kernel,
     show: Kernel,
     /// With screen-space refraction.
@@ -163,6 +177,8 @@ pub struct Photons {
     cubes: Buffer,
     emission: EmissionPush,
     trace: TracePush,
+    /// Texels.
+    footprint: f32,
     denoiser: Option<Denoiser>,
     /// Sets that the denoiser's history had when this began.
     first_set: u32,
@@ -214,7 +230,8 @@ impl Photons {
             options: option("march", "linear", LINEAR_MARCH)
                 | option("end", "linear", LINEAR_END)
                 | option("rescue", "rays", RESCUE)
-                | option("area", "printed", PRINTED_AREA),
+                | option("area", "printed", PRINTED_AREA)
+                | option("store", "splats", SPLATS),
             max_steps: settings.integer("steps"),
             turns: 2,
             fates: FATES,
@@ -258,11 +275,13 @@ impl Photons {
         };
         let first_set = denoiser.as_ref().map_or(0, Denoiser::sets);
         let variant = context.tracer.backend.variant();
+        let splats = trace.options & SPLATS != 0;
         let refracts = settings.choice("refraction") == REFRACTION_SCREEN;
         let kernels = Kernels {
             emit: Kernel::new(device, "photons/emit", "")?,
             trace: Kernel::new(device, "photons/trace", "")?,
             rescue: rescue.then(|| Kernel::new(device, "photons/rescue", variant)).transpose()?,
+            splat: splats.then(|| Kernel::new(device, "photons/splat", "")).transpose()?,
             irradiance: Kernel::new(device, "photons/irradiance", "")?,
             show: Kernel::new(device, "photons/show", "")?,
             refract: refracts.then(|| Kernel::new(device, "photons/refract", "")).transpose()?,
@@ -278,6 +297,7 @@ impl Photons {
             cubes,
             emission,
             trace,
+            footprint: settings.number("footprint"),
             denoiser,
             first_set,
             found: false,
@@ -311,9 +331,15 @@ impl Photons {
                 ledger_unit: trace.ledger_unit,
                 photons: trace.photons,
                 printed_area,
+                splats: u32::from(self.kernels.splat.is_some()),
                 fates: FATES,
             };
             recorder.pass("photons/rescue")?.dispatch(rescue, &bindings, &push, trace.photons)?;
+        }
+        if let Some(splat) = &self.kernels.splat {
+            let (camera, flux_unit) = (store.camera, store.flux_unit);
+            let push = SplatPush { camera, photons: trace.photons, flux_unit, radius: self.footprint };
+            recorder.pass("photons/splat")?.dispatch(splat, &bindings, &push, trace.photons)?;
         }
         let push = IrradiancePush { camera: store.camera, flux_unit: store.flux_unit, printed_area, padding0: 0 };
         let texels = self.spaces.camera_texels();

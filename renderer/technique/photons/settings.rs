@@ -70,6 +70,21 @@ pub const SETTINGS: &[Setting] = &[
                what lands where the camera's view shows nothing is kept in space",
     },
     Setting {
+        key: "store",
+        kind: SettingKind::Choice(&["texels", "splats"]),
+        default: "texels",
+        unit: "",
+        help: "Where the flux of a photon goes that the camera sees. texels: into the one it lands in, which many sets average \
+               to no blur. splats: over those round it that show its surface, so that few photons look smooth",
+    },
+    Setting {
+        key: "footprint",
+        kind: SettingKind::Number { min: 0.5, max: 8.0 },
+        default: "1.5",
+        unit: "pixels",
+        help: "With store=splats, radius of the discs that photons are drawn as",
+    },
+    Setting {
         key: "area",
         kind: SettingKind::Choice(&["surface", "printed"]),
         default: "surface",
