@@ -22,15 +22,17 @@ pub fn screen(request: &Request) {
     let above = |set: &[&str], adaptive: bool| {
         picture(request, pool(), &[&["photons.photons=60000"], set].concat(), &|s| {
             s.camera = Some("above".to_string());
-            s.samples = Some(4);
+            s.samples = Some(2);
             s.adaptive = adaptive;
         })
     };
-    for (adaptive, by) in [(false, ""), (true, ", adaptive")] {
+    for (adaptive, by, marches) in
+        [(false, "", &["hierarchical", "linear"][..]), (true, ", adaptive", &["hierarchical"])]
+    {
         let points = above(&[], adaptive);
         assert_eq!(counter(&points, "refractions"), 0.0);
         let expected = layer(&points.image, "caustic");
-        for march in ["hierarchical", "linear"] {
+        for march in marches {
             let screen = above(&["photons.refraction=screen", &format!("photons.march={march}")], adaptive);
             let found = layer(&screen.image, "caustic");
             let (energy, error) = (sum(&found) / sum(&expected), difference(&found, &expected));
@@ -38,7 +40,7 @@ pub fn screen(request: &Request) {
             assert!(found != expected, "{march}{by}: it has no effect");
             assert!((energy - 1.0).abs() < ENERGY, "{march}{by}: energy {energy}");
             assert!(error < SAME, "{march}{by}: {error} apart");
-            assert!(counter(&screen, "refractions") > 1000.0, "{march}{by}: hardly anything is refracted");
+            assert!(counter(&screen, "refractions") > 500.0, "{march}{by}: hardly anything is refracted");
             assert_eq!(counter(&screen, "refractions_unbent"), 0.0, "{march}{by}: the floor is out of sight");
         }
     }
