@@ -3,6 +3,8 @@
 #[path = "technique_photons/agreement.rs"]
 mod agreement;
 mod common;
+#[path = "technique_photons/edges.rs"]
+mod edges;
 #[path = "technique_photons/extremes.rs"]
 mod extremes;
 #[path = "technique_photons/flat.rs"]
@@ -13,6 +15,10 @@ mod ledger;
 mod march;
 #[path = "technique_photons/reference.rs"]
 mod reference;
+#[path = "technique_photons/refraction.rs"]
+mod refraction;
+#[path = "technique_photons/splats.rs"]
+mod splats;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -29,6 +35,11 @@ fn main() -> ExitCode {
         case("even_light_is_flat_at_every_tilt", flat::even as fn(&Request)),
         case("flat_water_sends_the_closed_form", flat::water),
         case("a_flat_mirror_shows_its_lamp_twice", flat::mirror),
+        case("slats_shine_evenly", edges::slats_shine_evenly),
+        case("unseen_light_goes_by_the_shading_normal", edges::unseen_light_goes_by_the_shading_normal),
+        case("screen_space_refraction_shows_what_points_show", refraction::screen),
+        case("discs_make_even_light_smoother", splats::smoother),
+        case("discs_keep_to_their_surface", splats::keep_to_their_surface),
         case("both_marches_hit_the_same", march::both),
         case("photons_are_accounted_for", ledger::adds_up),
         case("fresnel_choice_loses_no_light", ledger::fresnel),

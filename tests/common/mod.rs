@@ -169,6 +169,7 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "adaptive_samples_keep_the_light",
     "all_techniques_are_treated_alike",
     "beams_through_waves_are_the_truth",
+    "discs_keep_to_their_surface",
     "each_rule_splits",
     "even_light_is_flat_at_every_tilt",
     "extreme_media_are_finite",
@@ -178,6 +179,7 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "photons_at_odd_settings_are_sound",
     "pictures_have_less_noise_and_the_same_light",
     "single_specular_light_is_the_reference",
+    "slats_shine_evenly",
     "smoke_scatters_as_quadrature_says",
     "ways_to_see_agree",
 ];

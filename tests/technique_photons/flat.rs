@@ -60,7 +60,7 @@ pub fn transmittance(cosine: f64, index: f64) -> f64 {
 }
 
 /// The even light of a sun so many degrees over the horizon, seen by a camera so many degrees from straight down.
-fn tilted_scene(sun: f64, tilt: f64, fov_y: f64) -> Scene {
+pub fn tilted_scene(sun: f64, tilt: f64, fov_y: f64) -> Scene {
     let (up, across) = sun.to_radians().sin_cos();
     let (sine, cosine) = tilt.to_radians().sin_cos();
     let text = EVEN.replace("SUN", &format!("{across}, {}", -up)).replace("FOV", &fov_y.to_string());

@@ -70,6 +70,8 @@ pub fn single(request: &Request) {
         assert!(error < NOISE, "{what}: relRMSE {error}");
         // Views lose light, and find little that is not there: what has a thickness stops light that passes behind it.
         assert!(below < energy + 0.005, "{what}: energy {below} without rays, {energy} with them");
-        assert!(watts(&off, "lost") > 0.0 && watts(&rays, "rescued") > 0.0, "{what}: nothing is rescued");
+        assert!(watts(&off, "lost") > 0.0, "{what}: nothing is lost");
+        // Of the pool they lose what goes off into the air.
+        assert!(what != "flooded" || watts(&rays, "rescued") > 0.0, "{what}: nothing is rescued");
     }
 }

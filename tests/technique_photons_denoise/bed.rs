@@ -115,6 +115,7 @@ impl Bed {
         let bindings = Bindings::new()
             .buffer("LightViews", &Buffer::from_slice(device, "views", &[view]).unwrap())
             .buffer("CameraTexels", &texels)
+            .buffer("CameraAreas", &Buffer::zeroed(device, "areas", 4 * TEXELS as u64).unwrap())
             .buffer("PhotonIrradiance", &self.irradiance);
         let transforms = transforms.to_vec();
         let irradiance = &self.irradiance;

@@ -1,6 +1,6 @@
 // The filter of irradiance on the camera's texels (Schied et al. 2017): what its kernels share. Every stop between two
 // texels is the same from both sides, so that what one gains the other loses.
-#include "technique/photons/store.glsl"
+#include "technique/photons/area.glsl"
 
 layout(push_constant) uniform DenoisePush {
     uint camera;    // index of the camera's view

@@ -1,5 +1,5 @@
 // From flux to irradiance, over the area of surface that each texel of the camera's view covers (erratum 12).
-#include "technique/photons/store.glsl"
+#include "technique/photons/area.glsl"
 
 layout(set = 3, binding = 4, std430) writeonly buffer PhotonIrradiance { vec4 photon_irradiance[]; };
 layout(push_constant) uniform IrradiancePush {
@@ -17,10 +17,9 @@ void main() {
     CameraTexel seen = camera_texels[index];
     vec3 irradiance = vec3(0.0);
     if (seen.instance != NO_INSTANCE) {
-        vec2 at = chart_of(v, uvec2(index % v.columns, index / v.columns));
-        float area = texel_area(v, seen, at);
+        float area = texel_area(v, index);
         if (push.printed_area != 0u) {
-            vec3 way = v.forward + at.x * v.right + at.y * v.up;
+            vec3 way = way_at(v, chart_of(v, uvec2(index % v.columns, index / v.columns)));
             vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
             area = step.x * step.y * seen.depth * seen.depth * dot(way, way);
         }

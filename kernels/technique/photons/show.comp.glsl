@@ -53,32 +53,6 @@ vec3 light_in_cube(VisiblePoint point) {
     return vec3(0.0);
 }
 
-// The nearest texel beside a point that shows its surface: the point's own shows what is before or behind an edge.
-uint neighbour_showing(LightView v, VisiblePoint point, vec4 at) {
-    if (at.w < NEAREST) return NO_TEXEL;
-    vec2 place = at.xy / at.z;
-    float width = texel_width(v, at.w);
-    vec3 geometric = unpack_direction(point.geometric);
-    uint found = NO_TEXEL;
-    float nearest = 1e30;
-    for (int i = 0; i < 9; i++) {
-        vec2 texel = floor(place) + vec2(i % 3 - 1, i / 3 - 1);
-        if (any(lessThan(texel, vec2(0.0))) || any(greaterThanEqual(texel, vec2(v.columns, v.rows)))) continue;
-        uvec2 t = uvec2(texel);
-        CameraTexel seen = camera_texels[t.y * v.columns + t.x];
-        if (seen.instance != point.instance || dot(unpack_direction(seen.geometric), geometric) < 0.9) continue;
-        vec2 chart = chart_of(v, t);
-        vec3 shown = v.origin + seen.depth * (v.forward + chart.x * v.right + chart.y * v.up);
-        if (abs(dot(shown - point.position, geometric)) > 2.0 * width) continue;
-        vec2 apart = texel + 0.5 - place;
-        if (dot(apart, apart) < nearest) {
-            nearest = dot(apart, apart);
-            found = t.y * v.columns + t.x;
-        }
-    }
-    return found;
-}
-
 void main() {
     uint slot = linear_index();
     if (slot >= VISIBLE_LAYERS * view.width * view.rows) return;
@@ -86,9 +60,9 @@ void main() {
     if (point.instance == NO_INSTANCE) return;
     LightView camera = light_views[push.store.camera];
     vec4 at;
-    uint texel = texel_showing(camera, push.store.camera, point.position, 1.0, at);
+    Spot spot = Spot(point.position, point.instance, unpack_direction(point.geometric));
+    uint texel = texel_for(push.store, camera, spot, true, at);
     vec3 irradiance = vec3(0.0);
-    if (texel == NO_TEXEL && push.store.cubes == 0u) texel = neighbour_showing(camera, point, at);
     if (texel != NO_TEXEL) {
         irradiance = photon_irradiance[texel].rgb;
     } else if (push.store.cubes > 0u) {

@@ -24,6 +24,7 @@ struct StorePush {
     uint seed;        // of the set: cubes lie elsewhere in each
     float flux_unit;  // W
     uint probes;      // slots looked at for a cube; a constant would be unrolled, at seconds to lavapipe's compiler
+    uint near;        // texels looked at for a place, 9, for the same reason
 };
 
 // Of the shading normal's cosine to the geometric one's: a bound for light that grazes a face.
@@ -31,31 +32,53 @@ const float MAX_COSINE_RATIO = 8.0;
 const uint EMPTY = 0u;
 const uint NO_TEXEL = 0xffffffffu;
 
-// The texel of the camera's view that shows the point, or NO_TEXEL. `slack`: of a texel's width, how far from the slab
-// of what is seen a point may be; negative: how far inside.
-uint texel_showing(LightView v, uint camera, vec3 position, float slack, out vec4 at) {
-    at = place_of(v, position - v.origin);
-    if (at.w < NEAREST) return NO_TEXEL;
-    vec2 texel = at.xy / at.z;
-    if (any(lessThan(texel, vec2(0.0))) || any(greaterThanEqual(texel, vec2(v.columns, v.rows)))) return NO_TEXEL;
-    uvec2 t = uvec2(texel);
-    vec2 slab = depth_slabs[slab_index(v, camera, 0u, t)];
-    float margin = slack * texel_width(v, at.w);
-    bool shown = at.w >= slab.x - margin && at.w <= slab.y + margin;
-    return shown ? t.y * v.columns + t.x : NO_TEXEL;
+bool inside_view(LightView v, vec2 place) {
+    return all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(v.columns, v.rows)));
 }
 
-// Cosine to the surface below which its area is taken for what it is there: nearer to the horizon a texel covers more than
-// its middle can say.
-const float GRAZING = 0.02;
+// A place on a surface.
+struct Spot {
+    vec3 position;
+    uint instance;
+    vec3 geometric; // on the side that is meant
+};
 
-// Of surface that a texel covers, m2 (erratum 12); `at`: its middle's chart coordinates.
-float texel_area(LightView v, CameraTexel seen, vec2 at) {
-    vec3 way = v.forward + at.x * v.right + at.y * v.up;
-    vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
-    float cosine = max(abs(dot(unpack_direction(seen.geometric), way)), GRAZING * length(way));
-    // With way = v d / z this is A_plane (z / d) / |v.n|.
-    return step.x * step.y * seen.depth * seen.depth / cosine;
+// Of a spot: how far from the plane of what a texel shows it may be, in texels' widths, and the least cosine of the normals.
+const float OFF_PLANE = 2.0;
+const float SAME_SIDE = 0.9;
+
+bool shows(LightView v, uvec2 texel, Spot spot, float width) {
+    CameraTexel seen = camera_texels[texel.y * v.columns + texel.x];
+    if (seen.instance != spot.instance || dot(unpack_direction(seen.geometric), spot.geometric) < SAME_SIDE) return false;
+    vec2 chart = chart_of(v, texel);
+    vec3 shown = v.origin + seen.depth * (v.forward + chart.x * v.right + chart.y * v.up);
+    return abs(dot(shown - spot.position, spot.geometric)) <= OFF_PLANE * width;
+}
+
+// The texel of the camera's view that stands for a spot, or NO_TEXEL: the one that it is in, where that shows its surface,
+// else the nearest beside it that does; a texel that an edge runs through shows one side of it. What is behind all that its own
+// texel shows has one only if it is known to be `seen`: else light of the strip behind an outline would be added along it.
+uint texel_for(StorePush push, LightView v, Spot spot, bool seen, out vec4 at) {
+    at = place_of(v, spot.position - v.origin);
+    if (at.w < NEAREST) return NO_TEXEL;
+    vec2 place = at.xy / at.z;
+    bool inside = inside_view(v, place);
+    float width = texel_width(v, at.w);
+    vec2 slab = inside ? depth_slabs[slab_index(v, push.camera, 0u, uvec2(place))] : vec2(NOTHING);
+    if (!seen && (!inside || at.w > slab.y + width)) return NO_TEXEL;
+    uint found = NO_TEXEL;
+    float nearest = 1e30;
+    for (uint i = 0u; i < push.near; i++) {
+        vec2 texel = floor(place) + vec2(i % 3u, i / 3u) - 1.0;
+        vec2 apart = texel + 0.5 - place;
+        if (dot(apart, apart) >= nearest || !inside_view(v, texel) || !shows(v, uvec2(texel), spot, width)) continue;
+        nearest = dot(apart, apart);
+        found = uint(texel.y) * v.columns + uint(texel.x);
+    }
+    if (found != NO_TEXEL || !inside || at.w < slab.x - width || at.w > slab.y + width) return found;
+    // On a surface bent more than texels tell: what lies about as deep and on the same side.
+    uint own = uint(place.y) * v.columns + uint(place.x);
+    return dot(unpack_direction(camera_texels[own].geometric), spot.geometric) > 0.5 ? own : NO_TEXEL;
 }
 
 uvec3 units_of(vec3 flux, float unit) {

@@ -10,7 +10,9 @@ const uint TALLY_CAMERA_HITS = 4u;
 const uint TALLY_SKIMMING = 5u;     // photons whose light grazes what they land on
 const uint TALLY_LONG = 6u;         // marches that took more steps than are taken
 const uint TALLY_FULL = 7u;         // photons for which a table or list had no room
-const uint TALLIES = 8u;
+const uint TALLY_REFRACTIONS = 8u; // pixels that are refracted in screen space
+const uint TALLY_UNBENT = 9u;      // of them, those whose ray meets nothing that the view shows
+const uint TALLIES = 10u;
 
 shared uint group_tallies[TALLIES];
 

@@ -20,12 +20,13 @@ const uint OPTION_LINEAR_MARCH = 1u;
 const uint OPTION_LINEAR_END = 2u;
 const uint OPTION_RESCUE = 4u;
 const uint OPTION_PRINTED_AREA = 8u; // Eq. 3 as printed: flux times the incident cosine (erratum 12)
+const uint OPTION_SPLATS = 16u;      // photons/splat draws them
 
 // Cosine between a photon and what it lands on below which it is counted as grazing.
 const float SKIMMING = 0.05;
 
-// Into a texel of the camera's view.
-void land(Photon p, vec3 flux, uint texel) {
+// Into a texel of the camera's view, after `t` metres; what is left for others to do.
+PhotonRecord land(Photon p, vec3 flux, float t, uint texel) {
     ends(LEDGER_LANDED, flux);
     CameraTexel seen = camera_texels[texel];
     vec3 geometric = unpack_direction(seen.geometric);
@@ -33,18 +34,32 @@ void land(Photon p, vec3 flux, uint texel) {
     vec3 shading = unpack_direction(seen.shading);
     bool printed = (push.options & OPTION_PRINTED_AREA) != 0u;
     flux *= printed ? max(-dot(p.direction, shading), 0.0) : shading_ratio(p.direction, shading, geometric);
-    add_to_texel(texel, flux, push.store.flux_unit);
+    bool splats = (push.options & OPTION_SPLATS) != 0u;
+    if (!splats) add_to_texel(texel, flux, push.store.flux_unit);
+    bool kept = splats || (push.options & OPTION_RESCUE) != 0u;
+    return kept ? PhotonRecord(p.origin + t * p.direction, texel, flux, LANDED) : no_photon();
 }
 
 // Whether a place is behind what the camera's view shows, or outside of it; what floats before that has not landed yet.
 bool is_hidden(LightView camera, vec4 at) {
     if (at.w < NEAREST) return true;
     vec2 place = at.xy / at.z;
-    if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(camera.columns, camera.rows)))) return true;
+    if (!inside_view(camera, place)) return true;
     return at.w > depth_slabs[slab_index(camera, push.store.camera, 0u, uvec2(place))].x;
 }
 
-// Over the light's view, then over the camera's from where that ended. What is left for photons/rescue.
+// What photons/rescue needs of a photon that landed at a texel of its light's view, on what the camera's does not show.
+PhotonRecord hidden_landing(Photon p, vec3 flux, Trail trail) {
+    uvec2 ids = opaque_ids[id_index(light_views[p.view], trail.texel)];
+    vec3 position = p.origin + trail.t * p.direction;
+    Surface s = surface_at(ids.x - 1u, ids.y, barycentrics_of(ids, position));
+    // The shading normal of the side that is seen, as the plane's is.
+    vec3 shading = dot(s.shading, trail.plane.normal) < 0.0 ? -s.shading : s.shading;
+    flux *= shading_ratio(p.direction, shading, trail.plane.normal);
+    return PhotonRecord(position, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
+}
+
+// Over the light's view, then over the camera's from where that ended. What is left for others to do.
 PhotonRecord follow(Photon p) {
     bool rescue = (push.options & OPTION_RESCUE) != 0u;
     MarchSettings how = MarchSettings((push.options & OPTION_LINEAR_MARCH) == 0u, (push.options & OPTION_LINEAR_END) != 0u,
@@ -70,7 +85,9 @@ PhotonRecord follow(Photon p) {
             texel = trail.texel.y * v.columns + trail.texel.x;
         } else {
             vec4 at;
-            texel = texel_showing(camera, push.store.camera, p.origin + trail.t * p.direction, 1.0, at);
+            uint instance = opaque_ids[id_index(v, trail.texel)].x - 1u;
+            Spot spot = Spot(p.origin + trail.t * p.direction, instance, trail.plane.normal);
+            texel = texel_for(push.store, camera, spot, false, at);
             hidden = texel == NO_TEXEL && is_hidden(camera, at);
         }
     }
@@ -81,12 +98,9 @@ PhotonRecord follow(Photon p) {
     }
     vec3 flux = p.flux * transmittance(p.medium, p.origin, p.direction, trail.t);
     takes(p.medium, p.flux - flux);
-    if (!hidden) {
-        land(p, flux, texel);
-        return no_photon();
-    }
+    if (!hidden) return land(p, flux, trail.t, texel);
     ends(LEDGER_HIDDEN, flux);
-    return PhotonRecord(p.origin + trail.t * p.direction, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
+    return rescue ? hidden_landing(p, flux, trail) : no_photon();
 }
 
 void main() {

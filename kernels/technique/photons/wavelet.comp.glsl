@@ -22,7 +22,7 @@ void main() {
     vec4 result = own;
     if (seen.instance != NO_INSTANCE) {
         Shown here = shown_at(v, seen, uvec2(texel));
-        float area = texel_area(v, seen, chart_of(v, uvec2(texel)));
+        float area = texel_area(v, index);
         vec2 guide = filter_guides[index];
         vec3 gained = vec3(0.0);
         float given = 0.0;
@@ -44,7 +44,7 @@ void main() {
             if (push.sigma <= 0.0) stop = 0.0;
             float weight = spline(step.x) * spline(step.y) * stop * alike(here, shown_at(v, other, uvec2(at)));
             // Of the flux that the smaller of both has.
-            float theirs_area = texel_area(v, other, chart_of(v, uvec2(at)));
+            float theirs_area = texel_area(v, tap);
             weight *= min(area, theirs_area) / area;
             gained += weight * (theirs.rgb - own.rgb);
             given += weight;

@@ -87,7 +87,7 @@ impl DenoiseOptions {
 
 /// The camera's texels that irradiance is filtered on.
 pub struct Receivers<'a> {
-    /// The blocks `LightViews` (the camera's the last), `CameraTexels` and `PhotonIrradiance`.
+    /// The blocks `LightViews` (the camera's the last), `CameraTexels`, `CameraAreas` and `PhotonIrradiance`.
     pub bindings: &'a Bindings,
     pub texels: &'a Buffer,
     pub irradiance: &'a Buffer,

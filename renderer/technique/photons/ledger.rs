@@ -22,7 +22,7 @@ const ENTRIES: [&str; 15] = [
     "strengthened",
 ];
 /// In the order of `kernels/technique/photons/tallies.glsl`.
-const TALLIES: [&str; 8] = [
+const TALLIES: [&str; 10] = [
     "photons_traced",
     "light_steps",
     "camera_steps",
@@ -31,6 +31,8 @@ const TALLIES: [&str; 8] = [
     "photons_skimming",
     "marches_cut",
     "photons_dropped",
+    "refractions",
+    "refractions_unbent",
 ];
 
 /// Bytes of the buffers: two words an entry.

@@ -7,6 +7,7 @@ mod settings;
 mod shares;
 mod spaces;
 
+use settings::REFRACTION_SCREEN;
 pub use settings::{DENOISE_TEMPORAL, SETTINGS};
 
 use super::{Context, CounterEntry, LedgerEntry, Settings, Technique};
@@ -27,6 +28,7 @@ crate::gpu_struct! {
         pub seed: u32,
         pub flux_unit: f32,
         pub probes: u32,
+        pub near: u32,
     }
 }
 
@@ -62,7 +64,17 @@ crate::gpu_struct! {
         pub ledger_unit: f32,
         pub photons: u32,
         pub printed_area: u32,
+        pub splats: u32,
         pub fates: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct SplatPush {
+        pub camera: u32,
+        pub photons: u32,
+        pub flux_unit: f32,
+        pub radius: f32,
     }
 }
 
@@ -91,6 +103,18 @@ crate::gpu_struct! {
     }
 }
 
+crate::gpu_struct! {
+    pub struct RefractPush {
+        pub camera: u32,
+        pub max_steps: u32,
+        pub jitter: [f32; 2],
+        pub listed: u32,
+        pub linear: u32,
+        pub padding0: u32,
+        pub padding1: u32,
+    }
+}
+
 pub const LAYOUTS: &[Layout] = &[
     Share::LAYOUT,
     StorePush::LAYOUT,
@@ -100,6 +124,9 @@ pub const LAYOUTS: &[Layout] = &[
     RescuePush::LAYOUT,
     IrradiancePush::LAYOUT,
     ShowPush::LAYOUT,
+    RefractPush::LAYOUT,
+    SplatPush::LAYOUT,
+    spaces::CoveragePush::LAYOUT,
     spaces::CameraTexel::LAYOUT,
     spaces::SeePush::LAYOUT,
     spaces::PyramidPush::LAYOUT,
@@ -115,10 +142,13 @@ const LINEAR_MARCH: u32 = 1;
 const LINEAR_END: u32 = 2;
 const RESCUE: u32 = 4;
 const PRINTED_AREA: u32 = 8;
-/// Slots of the table of cubes, 16 B each.
-const CUBES: u32 = 1 << 21;
+const SPLATS: u32 = 16;
+/// Most slots of the table of cubes, which fill what a device has to offer to a buffer, and least.
+const CUBES: [u32; 2] = [1 << 10, 1 << 23];
 /// Slots looked at for a cube.
 const PROBES: u32 = 16;
+/// Texels looked at for a place: its own and those round it.
+const NEAR: u32 = 9;
 /// Entries of the ledger that one photon can have a share in.
 const FATES: u32 = 6;
 const CUBE_BYTES: u64 = 16;
@@ -127,8 +157,12 @@ struct Kernels {
     emit: Kernel,
     trace: Kernel,
     rescue: Option<Kernel>,
+    /// Where photons are drawn as discs.
+    splat: Option<Kernel>,
     irradiance: Kernel,
     show: Kernel,
+    /// With screen-space refraction.
+    refract: Option<Kernel>,
 }
 
 /// The technique's state for one band.
@@ -143,6 +177,8 @@ pub struct Photons {
     cubes: Buffer,
     emission: EmissionPush,
     trace: TracePush,
+    /// Texels.
+    footprint: f32,
     denoiser: Option<Denoiser>,
     /// Sets that the denoiser's history had when this began.
     first_set: u32,
@@ -174,7 +210,9 @@ impl Photons {
         let bound: f64 = powers.iter().map(|power| power.bound).sum();
         let unit = ((bound / UNITS) as f32).max(f32::MIN_POSITIVE);
         let rescue = settings.choice("rescue") == "rays";
-        let cubes = if rescue { CUBES } else { 0 };
+        // No photon fills more than two in the mean.
+        let slots = (2 * photons).next_power_of_two().clamp(CUBES[0], CUBES[1]);
+        let cubes = if rescue { slots } else { 0 };
         let option = |key: &str, value: &str, bit: u32| if settings.choice(key) == value { bit } else { 0 };
         let roughness = settings.number("roughness");
         let trace = TracePush {
@@ -185,13 +223,15 @@ impl Photons {
                 seed: 0,
                 flux_unit: unit,
                 probes: PROBES,
+                near: NEAR,
             },
             ledger_unit: unit,
             photons,
             options: option("march", "linear", LINEAR_MARCH)
                 | option("end", "linear", LINEAR_END)
                 | option("rescue", "rays", RESCUE)
-                | option("area", "printed", PRINTED_AREA),
+                | option("area", "printed", PRINTED_AREA)
+                | option("store", "splats", SPLATS),
             max_steps: settings.integer("steps"),
             turns: 2,
             fates: FATES,
@@ -235,12 +275,16 @@ impl Photons {
         };
         let first_set = denoiser.as_ref().map_or(0, Denoiser::sets);
         let variant = context.tracer.backend.variant();
+        let splats = trace.options & SPLATS != 0;
+        let refracts = settings.choice("refraction") == REFRACTION_SCREEN;
         let kernels = Kernels {
             emit: Kernel::new(device, "photons/emit", "")?,
             trace: Kernel::new(device, "photons/trace", "")?,
             rescue: rescue.then(|| Kernel::new(device, "photons/rescue", variant)).transpose()?,
+            splat: splats.then(|| Kernel::new(device, "photons/splat", "")).transpose()?,
             irradiance: Kernel::new(device, "photons/irradiance", "")?,
             show: Kernel::new(device, "photons/show", "")?,
+            refract: refracts.then(|| Kernel::new(device, "photons/refract", "")).transpose()?,
         };
         Ok(Photons {
             settings: settings.clone(),
@@ -253,6 +297,7 @@ impl Photons {
             cubes,
             emission,
             trace,
+            footprint: settings.number("footprint"),
             denoiser,
             first_set,
             found: false,
@@ -286,9 +331,15 @@ impl Photons {
                 ledger_unit: trace.ledger_unit,
                 photons: trace.photons,
                 printed_area,
+                splats: u32::from(self.kernels.splat.is_some()),
                 fates: FATES,
             };
             recorder.pass("photons/rescue")?.dispatch(rescue, &bindings, &push, trace.photons)?;
+        }
+        if let Some(splat) = &self.kernels.splat {
+            let (camera, flux_unit) = (store.camera, store.flux_unit);
+            let push = SplatPush { camera, photons: trace.photons, flux_unit, radius: self.footprint };
+            recorder.pass("photons/splat")?.dispatch(splat, &bindings, &push, trace.photons)?;
         }
         let push = IrradiancePush { camera: store.camera, flux_unit: store.flux_unit, printed_area, padding0: 0 };
         let texels = self.spaces.camera_texels();
@@ -326,7 +377,7 @@ impl Technique for Photons {
     fn record(&mut self, frame: &Frame, recorder: &mut Recorder, index: u32) -> Result<(), GpuError> {
         if self.trace.photons > 0 {
             if !self.found {
-                self.spaces.record(recorder, &frame.bindings)?;
+                self.spaces.record(recorder, &frame.bindings, self.trace.store)?;
                 self.found = true;
             }
             let set = self.first_set.wrapping_add(index / self.reuse);
@@ -341,6 +392,19 @@ impl Technique for Photons {
                 &ShowPush { store },
                 frame.slots(),
             )?;
+            if let Some(refract) = &self.kernels.refract {
+                let push = RefractPush {
+                    camera: store.camera,
+                    max_steps: self.trace.max_steps,
+                    jitter: frame.jitter(),
+                    listed: u32::from(frame.adaptive().is_some()),
+                    linear: u32::from(self.trace.options & LINEAR_MARCH != 0),
+                    padding0: 0,
+                    padding1: 0,
+                };
+                // The first layer's slots: what is reflected is looked up at its points.
+                recorder.pass("photons/refract")?.dispatch(refract, &bindings, &push, frame.slots() / 2)?;
+            }
         }
         frame.record_caustic(recorder, index)
     }

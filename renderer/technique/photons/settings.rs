@@ -70,12 +70,36 @@ pub const SETTINGS: &[Setting] = &[
                what lands where the camera's view shows nothing is kept in space",
     },
     Setting {
+        key: "store",
+        kind: SettingKind::Choice(&["texels", "splats"]),
+        default: "texels",
+        unit: "",
+        help: "Where the flux of a photon goes that the camera sees. texels: into the one it lands in, which many sets average \
+               to no blur. splats: over those round it that show its surface, so that few photons look smooth",
+    },
+    Setting {
+        key: "footprint",
+        kind: SettingKind::Number { min: 0.5, max: 8.0 },
+        default: "1.5",
+        unit: "pixels",
+        help: "With store=splats, radius of the discs that photons are drawn as",
+    },
+    Setting {
         key: "area",
         kind: SettingKind::Choice(&["surface", "printed"]),
         default: "surface",
         unit: "",
         help: "Flux over the surface that a texel covers, or as the paper prints it (Eq. 3), which is wrong off the axis \
                and at an angle",
+    },
+    Setting {
+        key: "refraction",
+        kind: SettingKind::Choice(&["points", REFRACTION_SCREEN]),
+        default: "points",
+        unit: "",
+        help: "Where the light is looked up that is seen through an interface. points: at the visible points, which are traced. \
+               screen: where the first refracted ray meets what the camera sees straight ahead, marching over that, as \
+               is usual where no rays are traced; albedo and direct light stay those of the points",
     },
     Setting {
         key: "roughness",
@@ -101,7 +125,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting {
         key: "cube",
         kind: SettingKind::Number { min: 0.25, max: 64.0 },
-        default: "2",
+        default: "1",
         unit: "pixels",
         help: "Least side of the cubes in space that hold the light of places which the camera's view does not show",
     },
@@ -168,5 +192,6 @@ pub const SETTINGS: &[Setting] = &[
     },
 ];
 
+pub(super) const REFRACTION_SCREEN: &str = "screen";
 pub(super) const DENOISE_OFF: &str = "off";
 pub const DENOISE_TEMPORAL: &str = "temporal";

@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::StorePush;
 use crate::gpu::{Bindings, Buffer, GpuError, Kernel, Recorder};
 use crate::light_view::{IdRaster, LightView, draws, light_views};
 use crate::scene::Scene;
@@ -46,6 +47,16 @@ crate::gpu_struct! {
     }
 }
 
+crate::gpu_struct! {
+    pub struct CoveragePush {
+        pub store: StorePush,
+        pub places: u32,
+        pub padding0: u32,
+    }
+}
+
+/// Rays by which a texel at an edge is shared out among what it shows.
+const PLACES: u32 = 16;
 /// Levels that a pyramid can have.
 const LEVELS: usize = 16;
 const SPECULAR: u32 = 0;
@@ -70,6 +81,8 @@ pub struct Spaces {
     see: Kernel,
     pyramid: Kernel,
     show: Kernel,
+    coverage: Kernel,
+    areas: Buffer,
     thickness: f32,
 }
 
@@ -175,13 +188,15 @@ impl Spaces {
         let camera_raster = raster(context, "photons camera ids", &camera[0])?;
         let variant = context.tracer.backend.variant();
         let camera_texels = Buffer::new(device, "photons camera texels", CAMERA_BYTES * texels(camera))?;
+        let areas = Buffer::new(device, "photons camera areas", 4 * texels(camera))?;
         let bindings = Bindings::new()
             .buffer("LightViews", &Buffer::from_slice(device, "photons views", &views)?)
             .buffer("OpaqueIds", &Buffer::new(device, "photons opaque ids", 8 * texels(&views))?)
             .buffer("SpecularIds", &Buffer::new(device, "photons specular ids", 8 * texels(lights))?)
             .buffer("DepthSlabs", &Buffer::new(device, "photons depth slabs", 8 * slabs)?)
             .buffer("DepthLevels", &Buffer::from_slice(device, "photons depth levels", &levels)?)
-            .buffer("CameraTexels", &camera_texels);
+            .buffer("CameraTexels", &camera_texels)
+            .buffer("CameraAreas", &areas);
         Ok(Spaces {
             bindings,
             texels: camera_texels,
@@ -192,6 +207,8 @@ impl Spaces {
             see: Kernel::new(device, "photons/see", variant)?,
             pyramid: Kernel::new(device, "photons/pyramid", "")?,
             show: Kernel::new(device, "photons/camera", "")?,
+            coverage: Kernel::new(device, "photons/coverage", variant)?,
+            areas,
             thickness: options.thickness,
             views,
         })
@@ -208,7 +225,7 @@ impl Spaces {
     }
 
     /// Records how the texels of all views are found; `scene` has the scene and the tracer.
-    pub fn record(&self, recorder: &mut Recorder, scene: &Bindings) -> Result<(), GpuError> {
+    pub fn record(&self, recorder: &mut Recorder, scene: &Bindings, store: StorePush) -> Result<(), GpuError> {
         for index in 0..self.camera() {
             self.record_layer(recorder, scene, index, SPECULAR)?;
             self.record_layer(recorder, scene, index, OPAQUE)?;
@@ -217,6 +234,9 @@ impl Spaces {
         let bindings = [scene, &self.bindings];
         let push = CameraPush { camera: self.camera(), padding0: 0, padding1: 0, padding2: 0 };
         recorder.pass("photons/camera")?.dispatch(&self.show, &bindings, &push, self.camera_texels())?;
+        recorder.pass("photons/clear-areas")?.fill(&self.areas, 0);
+        let push = CoveragePush { store, places: PLACES, padding0: 0 };
+        recorder.pass("photons/coverage")?.dispatch(&self.coverage, &bindings, &push, self.camera_texels())?;
         let deepest = self.views.iter().map(top).max().unwrap_or(0);
         // The same level of all views at once: they do not touch each other.
         for level in 1..=deepest {
