@@ -301,6 +301,36 @@ impl Pass<'_> {
         Ok(self)
     }
 
+    /// Runs `kernel` once for each of `pushes`, for at least `count` invocations; each run sees what those before it wrote.
+    pub fn dispatch_in_turn<P: bytemuck::NoUninit>(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        pushes: impl IntoIterator<Item = P>,
+        count: u32,
+    ) -> Result<&mut Self, GpuError> {
+        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1));
+        let x = groups.min(MAX_GROUPS_X);
+        let mut pushes = pushes.into_iter().filter(|_| groups > 0);
+        let Some(first) = pushes.next() else { return Ok(self) };
+        // Bound once: sets made anew for each of hundreds of runs cost more than the runs.
+        self.bind(kernel, bindings, bytemuck::bytes_of(&first))?;
+        let (raw, commands) = (self.recorder.device.raw.clone(), self.recorder.commands);
+        let layout = kernel.layout.raw;
+        // SAFETY: the pipeline and its descriptors are bound.
+        unsafe { raw.cmd_dispatch(commands, x, groups.div_ceil(x.max(1)), 1) };
+        for push in pushes {
+            let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+            self.recorder.barrier(stage, vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
+            // SAFETY: push constants of the type that `bind` checked, for the pipeline that is bound.
+            unsafe {
+                raw.cmd_push_constants(commands, layout, kernel.layout.stages, 0, bytemuck::bytes_of(&push));
+                raw.cmd_dispatch(commands, x, groups.div_ceil(x.max(1)), 1);
+            }
+        }
+        Ok(self)
+    }
+
     /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
     pub fn dispatch_indirect(
         &mut self,
