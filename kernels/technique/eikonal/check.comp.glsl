@@ -5,14 +5,8 @@ layout(set = 3, binding = 1, std430) readonly buffer EikonalValues { uint values
 
 #include "technique/eikonal/update.glsl"
 
-struct EikonalChecks {
-    uint worst;      // bits of the largest difference, in cells times index
-    uint unsettled;  // cells that differ by more than `tolerance`
-    uint unreached;  // cells without a value
-    uint given;
-};
+#include "technique/eikonal/checks.glsl"
 
-layout(set = 3, binding = 2, std430) buffer EikonalCheckSums { EikonalChecks checks; };
 layout(push_constant) uniform CheckPush {
     EikonalSweep sweep;
     float tolerance; // cells times index
@@ -28,16 +22,13 @@ void main() {
     int cell = cell_index(grid, at);
     uint known = values[cell];
     if (known == floatBitsToUint(OUTSIDE)) return;
-    if ((known & GIVEN) != 0u) {
-        atomicAdd(checks.given, 1u);
-        return;
-    }
+    if ((known & GIVEN) != 0u) return;
     float value = uintBitsToFloat(known);
     if (value >= UNKNOWN) {
         atomicAdd(checks.unreached, 1u);
         return;
     }
     float off = abs(updated(push.sweep, grid, at, cell) - value) / (grid.index * grid.cell);
-    atomicMax(checks.worst, floatBitsToUint(off));
+    if (floatBitsToUint(off) > checks.worst) atomicMax(checks.worst, floatBitsToUint(off));
     if (!(off <= push.tolerance)) atomicAdd(checks.unsettled, 1u);
 }

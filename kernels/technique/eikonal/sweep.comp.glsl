@@ -1,6 +1,6 @@
-// One turn of a sweep along the light's way: cells are visited plane by plane and outward from the column below the light,
-// so that light that goes on as it came has each cell's neighbours before the cell. What waves bend against that is mended
-// by further visits, which follow behind. Cells that are visited in one turn do not look at each other.
+// One turn of a sweep along the light's way: cells are visited plane by plane and, in each, outward from the column under
+// the light or towards it, so that light which goes that way finds each cell's neighbours done before the cell. Further visits
+// follow behind the first. Cells that are visited in one turn do not look at each other.
 #include "shared/index.glsl"
 
 layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
@@ -20,6 +20,9 @@ void main() {
     uint column = index % columns;
     ivec3 at = ivec3(column % grid.cells.x, column / grid.cells.x, 0);
     ivec2 off = abs(at.xy - sweep.foot);
+    ivec2 farthest = max(sweep.foot, ivec2(grid.cells.xy) - 1 - sweep.foot);
+    if ((sweep.inward & 1u) != 0u) off.x = farthest.x - off.x;
+    if ((sweep.inward & 2u) != 0u) off.y = farthest.y - off.y;
     at.z = int(sweep.turn) - SPACING * int(index / columns) - off.x - off.y;
     if (at.z < 0 || at.z >= int(grid.cells.z)) return;
     int cell = cell_index(grid, at);

@@ -7,9 +7,9 @@ struct EikonalSweep {
     uint order;     // 1 or 2
     uint linear;    // 1: at the grid's sides that waves come in by, they go on as they are inside
     uint visits;    // of each cell
-    ivec2 foot;     // the column from which cells are visited outward
+    ivec2 foot;     // the column under the light
     uint turn;
-    uint padding0;
+    uint inward;    // bits 0 and 1: along u and v cells are visited towards the foot, else outward from it
 };
 
 // Levels from one visit of a cell to its next: what is at work at the same time is never within two cells of each other.
@@ -19,10 +19,11 @@ float value_at(int cell) {
     return abs(uintBitsToFloat(values[cell]));
 }
 
-// How much the wave rises along an axis inwards from a side that it comes in by, two planes before: a cell. Those are never
-// at work at the same time.
+// How much the wave rises along an axis inwards from a side that it comes in by, a cell: as in the plane before where that is
+// given, else two planes before. Places one plane before are at work at the same time as the cell.
 float rise_inwards(EikonalGrid grid, int cell, int inwards) {
-    int before = cell - 2 * grid.strides.z;
+    int before = cell - grid.strides.z;
+    if ((values[before] & values[before + inwards] & GIVEN) == 0u) before -= grid.strides.z;
     float here = value_at(before);
     float there = value_at(before + inwards);
     return here < UNKNOWN && there < UNKNOWN ? max(there - here, 0.0) : 0.0;

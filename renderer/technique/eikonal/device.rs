@@ -66,7 +66,7 @@ crate::gpu_struct! {
         pub visits: u32,
         pub foot: [i32; 2],
         pub turn: u32,
-        pub padding0: u32,
+        pub inward: u32,
     }
 }
 
@@ -85,12 +85,20 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
-    /// See `kernels/technique/eikonal/check.comp.glsl`.
+    /// See `kernels/technique/eikonal/checks.glsl`.
     pub struct EikonalChecks {
         pub worst: u32,
         pub unsettled: u32,
         pub unreached: u32,
-        pub given: u32,
+        pub padding0: u32,
+        pub groups: [u32; 4],
+    }
+}
+
+crate::gpu_struct! {
+    pub struct DecidePush {
+        pub groups_x: u32,
+        pub groups_y: u32,
     }
 }
 
@@ -104,6 +112,7 @@ pub const LAYOUTS: &[Layout] = &[
     SweepPush::LAYOUT,
     CheckPush::LAYOUT,
     EikonalChecks::LAYOUT,
+    DecidePush::LAYOUT,
 ];
 
 /// In place of a value: not part of the wave's medium.

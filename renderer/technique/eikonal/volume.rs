@@ -3,7 +3,6 @@
 use glam::{DVec3, Vec3};
 
 use super::device::{EikonalGrid, EikonalSource, EikonalVolume, FacetPush, OUTSIDE, UNKNOWN, VolumePush};
-use super::marching::Order;
 use super::path::Source;
 use super::solver::{Settled, Solver, SolverOptions};
 use super::Grid;
@@ -30,6 +29,8 @@ impl Default for VolumeOptions {
 
 /// Cells beyond what is to be lit and above the surface, on each side: look-ups and differences want neighbours.
 const MARGIN: f64 = 2.0;
+/// Cells below the surface that are given: differences of second order reach as far, and so does what goes on beyond sides.
+const BAND: u32 = 2;
 /// Components of the light's mean way below which it comes in by neither of two sides.
 const UPRIGHT: f32 = 0.02;
 
@@ -94,7 +95,7 @@ impl Volume {
             source: shared_source,
             light_medium: light.medium as u32,
             wave_medium: surface.wave_medium as u32,
-            band: if options.solver.order == Order::Second { 2 } else { 1 },
+            band: BAND,
             padding0: 0,
         };
         let values = Buffer::new(device, "eikonal values", 4 * grid.len() as u64)?;
@@ -162,8 +163,8 @@ impl Volume {
     }
 
     /// How well a recorded wave has settled; only before the marks are taken off, after [`record_wave`](Self::record_wave).
-    pub fn check(&self, kernels: &Kernels, tolerance: f32) -> Result<Settled, GpuError> {
-        kernels.solver.check(&self.bindings, &self.shared, self.foot, &self.options.solver, tolerance)
+    pub fn check(&self, device: &Device, kernels: &Kernels) -> Result<Settled, GpuError> {
+        kernels.solver.check(device, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
     }
 
     /// Optical paths from the light, metres times index (with an infinite index: metres from the surface); infinite where no
