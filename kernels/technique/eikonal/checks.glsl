@@ -3,8 +3,13 @@ struct EikonalChecks {
     uint worst;     // bits of the largest difference from what neighbours say, in cells times index
     uint unsettled; // cells that differ by more than was tolerated
     uint unreached; // cells without a value
-    uint padding0;
-    uint groups[4]; // of a further sweep: three counts, none where all has settled
+    uint reach_u;   // columns from the foot to the farthest of these, and one more
+    uint reach_v;
+    uint lower_u;   // columns that further sweeps visit
+    uint lower_v;
+    uint size_u;
+    uint size_v;
+    uint groups[3]; // of such a sweep; none where all has settled
 };
 
 layout(set = 3, binding = 2, std430) buffer EikonalCheckSums { EikonalChecks checks; };

@@ -1,7 +1,6 @@
 // Values of cells next to the surface: the shortest optical path from the light through any triangle near by, at the cell's
 // own middle (errata 15 and 17). Positive floats sort as integers, so that the least does not depend on the order.
 #include "technique/eikonal/surface.glsl"
-#include "technique/eikonal/band.glsl"
 
 // Cells beside where light through a triangle's plane goes that are looked at too: what edges and corners spread.
 const float MARGIN = 1.0;
@@ -37,12 +36,13 @@ void main() {
     vec3 lower = min(min(f.cells[0], f.cells[1]), f.cells[2]);
     vec3 upper = max(max(f.cells[0], f.cells[1]), f.cells[2]);
     float reach = float(volume.band) + 1.0;
+    vec2 last = vec2(grid.cells.xy) - 1.0;
+    if (any(lessThan(upper.xy, vec2(-3.0 * reach - MARGIN))) || any(greaterThan(lower.xy, last + 3.0 * reach + MARGIN))) return;
     bool steep = abs(f.to_light.z) < STEEP;
     vec2 drift = steep ? vec2(0.0) : drift_of(volume, f, middle) * reach;
     vec2 around = vec2(steep ? reach : MARGIN);
-    vec2 last = vec2(grid.cells.xy) - 1.0;
-    ivec2 low = ivec2(clamp(floor(lower.xy + min(drift, vec2(0.0)) - around), vec2(0.0), last));
-    ivec2 high = ivec2(clamp(ceil(upper.xy + max(drift, vec2(0.0)) + around), vec2(-1.0), last));
+    ivec2 low = ivec2(clamp(ceil(lower.xy + min(drift, vec2(0.0)) - around), vec2(0.0), last + 1.0));
+    ivec2 high = ivec2(clamp(floor(upper.xy + max(drift, vec2(0.0)) + around), vec2(-1.0), last));
     // Heights of the facet's plane over the columns, which say what planes are near.
     vec2 slope = steep ? vec2(0.0) : -f.to_light.xy / f.to_light.z;
     float sideways = dot(abs(slope), abs(drift) + around);
@@ -56,7 +56,7 @@ void main() {
                 ivec3 at = ivec3(u, v, p);
                 int cell = cell_index(grid, at);
                 float known = uintBitsToFloat(values[cell]);
-                if (known == OUTSIDE) continue;
+                if (known == OUTSIDE || known == UNKNOWN) continue;
                 vec3 to = to_world(grid, vec3(at));
                 // The path is convex over the facet, so it lies above its tangent at the middle.
                 vec3 away = middle - to;
@@ -64,7 +64,7 @@ void main() {
                 vec3 rise = way_here + grid.index * away / max(far, 1e-20);
                 float bound = path_here + grid.index * far;
                 bound += min(min(dot(rise, f.corner[0] - middle), dot(rise, f.corner[1] - middle)), dot(rise, f.corner[2] - middle));
-                if (bound - SLACK * (abs(bound) + far) > known || !in_band(volume, at)) continue;
+                if (bound - SLACK * (abs(bound) + far) > known) continue;
                 float value = path_through(volume.source, f.corner[0], f.corner[1], f.corner[2], f.normal, to, grid.index).value;
                 if (value >= 0.0 && value < UNKNOWN) atomicMin(values[cell], floatBitsToUint(value));
             }

@@ -14,6 +14,8 @@ struct EikonalGrid {
 
 // Not part of the wave's medium; above all values.
 const float OUTSIDE = 3.0e38;
+// No value yet, and one is wanted from the surface.
+const float WANTED = 2.0e30;
 // No value yet.
 const float UNKNOWN = 1.0e30;
 // Sign bit of a value that is given and stays.
@@ -21,10 +23,6 @@ const uint GIVEN = 0x80000000u;
 
 int cell_index(EikonalGrid grid, ivec3 at) {
     return grid.first + at.x * grid.strides.x + at.y * grid.strides.y + at.z * grid.strides.z;
-}
-
-bool in_grid(EikonalGrid grid, ivec3 at) {
-    return all(greaterThanEqual(at, ivec3(0))) && all(lessThan(at, ivec3(grid.cells)));
 }
 
 // A place in columns and planes, in cells: whole numbers are middles.

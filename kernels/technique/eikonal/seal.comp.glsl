@@ -11,5 +11,7 @@ void main() {
     uvec3 cells = volumes[push.volume].grid.cells;
     uint cell = linear_index();
     if (cell >= cells.x * cells.y * cells.z) return;
-    if (uintBitsToFloat(values[cell]) < UNKNOWN) values[cell] |= GIVEN;
+    float value = uintBitsToFloat(values[cell]);
+    if (value < UNKNOWN) values[cell] |= GIVEN;
+    if (value == WANTED) values[cell] = floatBitsToUint(UNKNOWN);
 }

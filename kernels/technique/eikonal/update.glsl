@@ -1,68 +1,94 @@
-// One cell's value from its neighbours. The kernel that includes this declares the buffer `values`.
-#include "technique/eikonal/volume.glsl"
+// A cell's value from its neighbours. The kernel that includes this declares the buffers `values` and `sides`.
+#include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/godunov.glsl"
+#include "technique/eikonal/sides.glsl"
 
 struct EikonalSweep {
-    uint volume;
-    uint order;     // 1 or 2
-    uint linear;    // 1: at the grid's sides that waves come in by, they go on as they are inside
-    uint visits;    // of each cell
-    ivec2 foot;     // the column under the light
+    uvec3 cells;   // along u, v and the way of planes
+    int first;     // index of cell (0, 0, 0) of columns and planes
+    ivec3 strides; // from one cell to the next
+    float step;    // refractive index times m
+    ivec2 foot;    // the column under the light
     uint turn;
-    uint inward;    // bits 0 and 1: along u and v cells are visited towards the foot, else outward from it
+    uint options;  // SWEEP_..., and above them how often each cell is visited
 };
 
-// Levels from one visit of a cell to its next: what is at work at the same time is never within two cells of each other.
-const int SPACING = 3;
+const uint SWEEP_SECOND = 1u;     // differences of second order
+const uint SWEEP_LINEAR = 2u;     // waves that come in by the grid's sides are as the surface there says
+const uint SWEEP_BACKWARD_U = 4u; // of a settling sweep
+const uint SWEEP_BACKWARD_V = 8u;
+const uint SWEEP_VISITS = 4u;     // bits before the number of visits
+
+// Planes that an invocation goes through at once.
+const int BLOCK = 4;
 
 float value_at(int cell) {
     return abs(uintBitsToFloat(values[cell]));
 }
 
-// How much the wave rises along an axis inwards from a side that it comes in by, a cell: as in the plane before where that is
-// given, else two planes before. Places one plane before are at work at the same time as the cell.
-float rise_inwards(EikonalGrid grid, int cell, int inwards) {
-    int before = cell - grid.strides.z;
-    if ((values[before] & values[before + inwards] & GIVEN) == 0u) before -= grid.strides.z;
-    float here = value_at(before);
-    float there = value_at(before + inwards);
-    return here < UNKNOWN && there < UNKNOWN ? max(there - here, 0.0) : 0.0;
+// Which column of a row-by-row list `columns` wide. Integers are divided lane by lane on llvmpipe; with fewer than 2048 in a
+// row floats are exact.
+ivec2 column_of(uint index, uint columns) {
+    int row = int((float(index) + 0.5) / float(columns));
+    return ivec2(int(index) - row * int(columns), row);
 }
 
-float updated(EikonalSweep sweep, EikonalGrid grid, ivec3 at, int cell) {
-    vec3 value = vec3(UNKNOWN);
-    vec3 weight = vec3(1.0);
-    float step = grid.index * grid.cell;
-    float square = step * step;
-    for (int axis = 0; axis < 3; axis++) {
-        int stride = grid.strides[axis];
-        int last = int(grid.cells[axis]) - 1;
-        int place = at[axis];
-        float below = place > 0 ? value_at(cell - stride) : UNKNOWN;
-        float above = place < last ? value_at(cell + stride) : UNKNOWN;
-        bool up = below <= above;
-        value[axis] = min(below, above);
-        if (sweep.order == 2u && value[axis] < UNKNOWN) {
-            int way = up ? -1 : 1;
-            int end = place + 2 * way;
-            bool there = end >= 0 && end <= last;
-            // Across the foot two cells are visited at once; there the first order does.
-            if (axis < 2) there = there && abs(end - sweep.foot[axis]) != abs(place - sweep.foot[axis]);
-            if (there) {
-                float far = value_at(cell + 2 * way * stride);
-                if (far <= value[axis]) {
-                    value[axis] = (4.0 * value[axis] - far) / 3.0;
-                    weight[axis] = 2.25;
-                }
-            }
-        }
-        if (axis == 2 || sweep.linear == 0u || at.z < 2 || last < 1 || place != sweep.foot[axis]) continue;
-        if (place != 0 && place != last) continue;
-        float rise = rise_inwards(grid, cell, place == 0 ? stride : -stride);
-        if (rise > 0.0) {
-            value[axis] = UNKNOWN;
-            square -= rise * rise;
-        }
+// Along an axis: an upwind neighbour, which side it is on, and what it counts for.
+struct Upwind {
+    float near;
+    int way;
+    vec2 term;
+};
+
+Upwind across(bool second, int cell, int stride, int place, int last, int foot) {
+    float below = place > 0 ? value_at(cell - stride) : UNKNOWN;
+    float above = place < last ? value_at(cell + stride) : UNKNOWN;
+    Upwind a;
+    a.way = below <= above ? -1 : 1;
+    a.near = min(below, above);
+    a.term = vec2(a.near, 1.0);
+    int end = place + 2 * a.way;
+    // Across the foot two cells are visited at once; there the first order does.
+    bool there = end >= 0 && end <= last && abs(end - foot) != abs(place - foot);
+    if (second && there && a.near < UNKNOWN) a.term = upwind_term(a.near, value_at(cell + 2 * a.way * stride));
+    return a;
+}
+
+// How much the wave rises inwards from a side, a cell: what it was where this part of the wave came from, in the side itself.
+// As in the paper's Algorithm 2 where it came from is told by a wave that goes as if the side were all there is.
+float rise_at(float whole, uint here, uint line, vec2 along, float before, Upwind beside) {
+    float reached = upwind(along, beside.term, vec2(UNKNOWN, 1.0), whole);
+    vec2 part = vec2(before < UNKNOWN ? reached - before : 0.0, beside.near < UNKNOWN ? reached - beside.near : 0.0);
+    part = max(part, vec2(0.0));
+    vec2 rise = vec2(part.x > 0.0 ? sides[here - line] : 0.0, part.y > 0.0 ? sides[int(here) + beside.way] : 0.0);
+    return part.x + part.y > 0.0 ? dot(part, rise) / (part.x + part.y) : 0.0;
+}
+
+struct Updated {
+    float value;
+    vec2 rise; // at sides across u and v
+};
+
+// `before`: the values one and two planes before. Light does not turn back, so along its way only those matter.
+Updated updated(EikonalSweep sweep, ivec3 at, int cell, vec2 before) {
+    bool second = (sweep.options & SWEEP_SECOND) != 0u;
+    ivec2 last = ivec2(sweep.cells.xy) - 1;
+    vec2 along = second ? upwind_term(before.x, before.y) : vec2(before.x, 1.0);
+    Upwind u = across(second, cell, sweep.strides.x, at.x, last.x, sweep.foot.x);
+    Upwind v = across(second, cell, sweep.strides.y, at.y, last.y, sweep.foot.y);
+    float whole = sweep.step * sweep.step;
+    float square = whole;
+    Updated result;
+    result.rise = vec2(0.0);
+    bvec2 side = bvec2(at.x == 0 || at.x == last.x, at.y == 0 || at.y == last.y);
+    if ((sweep.options & SWEEP_LINEAR) != 0u && any(side)) {
+        if (side.x) result.rise.x = rise_at(whole, side_u(sweep.cells, at), sweep.cells.y, along, before.x, v);
+        if (side.y) result.rise.y = rise_at(whole, side_v(sweep.cells, at), sweep.cells.x, along, before.x, u);
+        if (result.rise.x > 0.0) u.term.x = UNKNOWN;
+        if (result.rise.y > 0.0) v.term.x = UNKNOWN;
+        vec2 inwards = max(result.rise, vec2(0.0));
+        square -= dot(inwards, inwards);
     }
-    return upwind(value, weight, max(square, 0.01 * step * step));
+    result.value = upwind(along, u.term, v.term, max(square, 0.01 * whole));
+    return result;
 }

@@ -60,13 +60,13 @@ crate::gpu_struct! {
 crate::gpu_struct! {
     /// See `kernels/technique/eikonal/update.glsl`.
     pub struct EikonalSweep {
-        pub volume: u32,
-        pub order: u32,
-        pub linear: u32,
-        pub visits: u32,
+        pub cells: [u32; 3],
+        pub first: i32,
+        pub strides: [i32; 3],
+        pub step: f32,
         pub foot: [i32; 2],
         pub turn: u32,
-        pub inward: u32,
+        pub options: u32,
     }
 }
 
@@ -90,15 +90,22 @@ crate::gpu_struct! {
         pub worst: u32,
         pub unsettled: u32,
         pub unreached: u32,
-        pub padding0: u32,
-        pub groups: [u32; 4],
+        pub reach_u: u32,
+        pub reach_v: u32,
+        pub lower_u: u32,
+        pub lower_v: u32,
+        pub size_u: u32,
+        pub size_v: u32,
+        pub groups: [u32; 3],
     }
 }
 
 crate::gpu_struct! {
     pub struct DecidePush {
-        pub groups_x: u32,
-        pub groups_y: u32,
+        pub columns: [i32; 2],
+        pub foot: [i32; 2],
+        pub margin: i32,
+        pub padding0: u32,
     }
 }
 

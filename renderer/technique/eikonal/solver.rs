@@ -12,13 +12,13 @@ pub struct SolverOptions {
     pub visits: u32,
     /// Rounds of further sweeps at most, while any cell is off by more than [`TOLERANCE`].
     pub rounds: u32,
-    /// Whether waves that come in by the grid's sides go on there as they are inside; else nothing comes in.
+    /// Whether waves that come in by the grid's sides are as if the surface went on linearly there; else nothing comes in.
     pub linear: bool,
 }
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        SolverOptions { order: Order::Second, visits: 2, rounds: 1, linear: true }
+        SolverOptions { order: Order::Second, visits: 1, rounds: 1, linear: true }
     }
 }
 
@@ -36,14 +36,20 @@ pub struct Settled {
 /// Cells times index by which a cell may be off what its neighbours say: ten times what rounding leaves.
 pub const TOLERANCE: f32 = 1e-4;
 
-/// Levels from one visit of a cell to its next, as in `update.glsl`.
+/// Levels from one visit of a cell to its next, and planes that an invocation goes through, as in the kernels.
 const SPACING: u32 = 3;
-/// The orders of a further round, as in [`EikonalSweep::inward`]: light that waves or lenses bend towards the foot, along both
-/// axes or one, and what then goes outward again.
-const ROUND: [u32; 4] = [3, 1, 2, 0];
+const BLOCK: u32 = 4;
+/// Bits of [`EikonalSweep::options`].
+const SECOND: u32 = 1;
+const LINEAR: u32 = 2;
+const BACKWARD: u32 = 4;
+const VISIT: u32 = 16;
+/// The sweeps of a further round, in units of [`BACKWARD`].
+const ROUND: [u32; 4] = [0, 1, 2, 3];
 
 pub struct Solver {
     sweep: Kernel,
+    settle: Kernel,
     check: Kernel,
     decide: Kernel,
     sums: Buffer,
@@ -53,44 +59,44 @@ impl Solver {
     pub fn new(device: &Device) -> Result<Self, GpuError> {
         Ok(Solver {
             sweep: Kernel::new(device, "eikonal/sweep", "")?,
+            settle: Kernel::new(device, "eikonal/settle", "")?,
             check: Kernel::new(device, "eikonal/check", "")?,
             decide: Kernel::new(device, "eikonal/decide", "")?,
             sums: Buffer::zeroed(device, "eikonal checks", size_of::<EikonalChecks>() as u64)?,
         })
     }
 
-    /// Records sweeps over the volume that `bindings` hold: `EikonalVolumes`, whose entry `volume` has `grid`, and
-    /// `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be found, [`OUTSIDE`](super::device::OUTSIDE),
+    /// Records sweeps over the values of `grid` that `bindings` hold as `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be found, [`OUTSIDE`](super::device::OUTSIDE),
     /// or not less than 0 with the sign bit set where given. `foot`: the column from which light spreads.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         bindings: &Bindings,
-        volume: u32,
         grid: &EikonalGrid,
         foot: [i32; 2],
         options: &SolverOptions,
     ) -> Result<(), GpuError> {
-        let sweep = sweep_of(volume, foot, options);
+        let sweep = sweep_of(grid, foot, options);
+        let [u, v, planes] = grid.cells;
         let farthest = |i: usize| foot[i].max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
-        let levels = grid.cells[2] + farthest(0) + farthest(1);
-        let columns = grid.cells[0] * grid.cells[1];
-        let turns = levels + SPACING * (options.visits - 1);
+        let blocks = planes.div_ceil(BLOCK);
+        let turns = blocks + farthest(0) + farthest(1) + SPACING * (options.visits - 1);
         let pushes = (0..turns).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
-        let groups = Groups::of(&self.sweep, columns * options.visits);
+        let groups = Groups::of(&self.sweep, u * v * options.visits);
         recorder.pass("eikonal/sweep")?.dispatch_in_turn(&self.sweep, &[bindings], pushes, groups)?;
+        let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
         for _ in 0..options.rounds {
             self.record_check(recorder, bindings, grid, sweep)?;
-            let [groups_x, groups_y] = Groups::folded(&self.sweep, columns);
-            let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
-            let push = DecidePush { groups_x, groups_y };
+            let margin = (planes / DRIFT + 2) as i32;
+            let push = DecidePush { columns: [u as i32, v as i32], foot, margin, padding0: 0 };
             recorder.pass("eikonal/decide")?.dispatch(&self.decide, &[&own], &push, 1)?;
-            let turn = |inward| {
-                (0..levels).map(move |turn| SweepPush { sweep: EikonalSweep { turn, inward, visits: 1, ..sweep } })
-            };
+            let turns = blocks + u + v - 2;
+            let sweeps = ROUND.into_iter().flat_map(|backward| {
+                let options = sweep.options % BACKWARD + backward * BACKWARD;
+                (0..turns).map(move |turn| SweepPush { sweep: EikonalSweep { turn, options, ..sweep } })
+            });
             let groups = Groups::From(&self.sums, GROUPS_OFFSET);
-            let pushes = ROUND.into_iter().flat_map(turn);
-            recorder.pass("eikonal/settle")?.dispatch_in_turn(&self.sweep, &[bindings], pushes, groups)?;
+            recorder.pass("eikonal/settle")?.dispatch_in_turn(&self.settle, &[&own], sweeps, groups)?;
         }
         Ok(())
     }
@@ -104,8 +110,9 @@ impl Solver {
     ) -> Result<(), GpuError> {
         recorder.pass("eikonal/clear_check")?.fill(&self.sums, 0);
         let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
+        let blocks = grid.cells[0] * grid.cells[1] * grid.cells[2].div_ceil(BLOCK);
         let push = CheckPush { sweep, tolerance: TOLERANCE, padding0: 0 };
-        recorder.pass("eikonal/check")?.dispatch(&self.check, &[&own], &push, grid.cells.iter().product())?;
+        recorder.pass("eikonal/check")?.dispatch(&self.check, &[&own], &push, blocks)?;
         Ok(())
     }
 
@@ -119,7 +126,7 @@ impl Solver {
         options: &SolverOptions,
     ) -> Result<Settled, GpuError> {
         let mut recorder = Recorder::new(device)?;
-        self.record_check(&mut recorder, bindings, grid, sweep_of(0, foot, options))?;
+        self.record_check(&mut recorder, bindings, grid, sweep_of(grid, foot, options))?;
         recorder.submit()?;
         let sums: Vec<EikonalChecks> = self.sums.read(1)?;
         let found = |sums: &EikonalChecks| Settled {
@@ -131,17 +138,21 @@ impl Solver {
     }
 }
 
+/// Planes in which light that waves bend goes a column sideways, at the most that further sweeps provide for.
+const DRIFT: u32 = 8;
 /// Bytes of [`EikonalChecks`] before its group counts.
 const GROUPS_OFFSET: u64 = std::mem::offset_of!(EikonalChecks, groups) as u64;
 
-fn sweep_of(volume: u32, foot: [i32; 2], options: &SolverOptions) -> EikonalSweep {
+fn sweep_of(grid: &EikonalGrid, foot: [i32; 2], options: &SolverOptions) -> EikonalSweep {
+    let second = if options.order == Order::Second { SECOND } else { 0 };
+    let linear = if options.linear { LINEAR } else { 0 };
     EikonalSweep {
-        volume,
-        order: if options.order == Order::Second { 2 } else { 1 },
-        linear: u32::from(options.linear),
-        visits: options.visits,
+        cells: grid.cells,
+        first: grid.first,
+        strides: grid.strides,
+        step: grid.index * grid.cell,
         foot,
         turn: 0,
-        inward: 0,
+        options: second + linear + options.visits * VISIT,
     }
 }

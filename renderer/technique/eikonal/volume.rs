@@ -37,8 +37,10 @@ const UPRIGHT: f32 = 0.02;
 pub struct Kernels {
     cross: Kernel,
     classify: Kernel,
+    mark: Kernel,
     given: Kernel,
     seal: Kernel,
+    sides: Kernel,
     open: Kernel,
     pub solver: Solver,
 }
@@ -49,8 +51,10 @@ impl Kernels {
         Ok(Kernels {
             cross: kernel("eikonal/cross")?,
             classify: kernel("eikonal/classify")?,
+            mark: kernel("eikonal/mark")?,
             given: kernel("eikonal/given")?,
             seal: kernel("eikonal/seal")?,
+            sides: kernel("eikonal/sides")?,
             open: kernel("eikonal/open")?,
             solver: Solver::new(device)?,
         })
@@ -100,6 +104,10 @@ impl Volume {
         };
         let values = Buffer::new(device, "eikonal values", 4 * grid.len() as u64)?;
         let volumes = Buffer::from_slice(device, "eikonal volumes", &[shared])?;
+        let columns = planes.cells[0] * planes.cells[1];
+        let tops = Buffer::new(device, "eikonal tops", 4 * u64::from(columns))?;
+        let sides = 2 * u64::from(planes.cells[0] + planes.cells[1]) * u64::from(planes.cells[2]);
+        let sides = Buffer::new(device, "eikonal sides", 4 * sides)?;
         let foot = match source {
             Source::Point { position, .. } => planes.column(&grid, position),
             _ => [0, 1].map(|i| match way[planes.axes[i] as usize] {
@@ -108,7 +116,6 @@ impl Volume {
                 _ => planes.cells[i] as i32 / 2,
             }),
         };
-        let columns = planes.cells[0] * planes.cells[1];
         let facets = surface.instances.iter().map(|&instance| {
             let triangles = scene.meshes[scene.instances[instance].mesh].triangles.len() as u32;
             let parts = (columns / triangles.max(1)).clamp(1, 4096);
@@ -116,7 +123,11 @@ impl Volume {
         });
         Ok(Some(Volume {
             foot,
-            bindings: Bindings::new().buffer("EikonalVolumes", &volumes).buffer("EikonalValues", &values),
+            bindings: Bindings::new()
+                .buffer("EikonalVolumes", &volumes)
+                .buffer("EikonalValues", &values)
+                .buffer("EikonalTops", &tops)
+                .buffer("EikonalSides", &sides),
             options: options.clone(),
             shared,
             values,
@@ -148,18 +159,20 @@ impl Volume {
         }
         drop(pass);
         recorder.pass("eikonal/classify")?.dispatch(&kernels.classify, &bindings, &push, u * v)?;
+        recorder.pass("eikonal/mark")?.dispatch(&kernels.mark, &bindings, &push, u * v)?;
         let mut pass = recorder.pass("eikonal/given")?;
         for facets in &self.facets {
             pass.dispatch(&kernels.given, &bindings, facets, facets.triangles * facets.parts)?;
         }
         drop(pass);
         recorder.pass("eikonal/seal")?.dispatch(&kernels.seal, &bindings, &push, self.grid.len() as u32)?;
+        recorder.pass("eikonal/sides")?.dispatch(&kernels.sides, &bindings, &push, 2 * (u + v))?;
         Ok(())
     }
 
     /// Records the wave from what is given.
     pub fn record_wave(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
-        kernels.solver.record(recorder, &self.bindings, 0, &self.shared.grid, self.foot, &self.options.solver)
+        kernels.solver.record(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
     }
 
     /// How well a recorded wave has settled; only before the marks are taken off, after [`record_wave`](Self::record_wave).
