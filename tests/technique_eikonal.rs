@@ -3,6 +3,8 @@
 #[path = "technique_eikonal/closed.rs"]
 mod closed;
 mod common;
+#[path = "technique_eikonal/light.rs"]
+mod light;
 #[path = "technique_eikonal/solver.rs"]
 mod solver;
 
@@ -29,6 +31,9 @@ fn main() -> ExitCode {
         case("planes_are_exact_to_the_edges", closed::planes),
         case("light_of_a_lamp_converges", closed::lamp),
         case("a_cap_focuses_where_it_should", closed::focus),
+        case("flat_water_is_lit_evenly", light::flat),
+        case("a_lamp_lights_flat_water", light::lamp),
+        case("a_cap_gathers_light", light::cap),
     ];
     common::run(cases.leak())
 }
@@ -66,12 +71,7 @@ impl Rig {
     fn new(request: &Request, scene: &Scene, options: &VolumeOptions) -> Rig {
         let device = request.open();
         let volume = Volume::new(&device, scene, 0, options).unwrap().unwrap();
-        Rig {
-            scene: GpuScene::new(&device, scene).unwrap(),
-            kernels: Kernels::new(&device).unwrap(),
-            device,
-            volume,
-        }
+        Rig { scene: GpuScene::new(&device, scene).unwrap(), kernels: Kernels::new(&device).unwrap(), device, volume }
     }
 
     fn run(&self, record: impl FnOnce(&mut Recorder)) {

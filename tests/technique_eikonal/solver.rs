@@ -28,22 +28,22 @@ fn sun() -> Emitter {
     Emitter::Directional { direction: Vec3::new(0.5, -1.0, -0.3).normalize(), irradiance: Vec3::ONE }
 }
 
-fn options(order: Order, visits: u32) -> VolumeOptions {
+fn options(order: Order) -> VolumeOptions {
     // Marching knows nothing of how waves go on beyond the sides.
-    let solver = SolverOptions { order, visits, rounds: 1, linear: false };
+    let solver = SolverOptions { order, rounds: 1, linear: false };
     VolumeOptions { grid: Some(cube(32)), solver, ..VolumeOptions::default() }
 }
 
-fn compare(request: &Request, order: Order, visits: u32) -> (f64, f64) {
+fn compare(request: &Request, order: Order) -> (f64, f64) {
     let mut worst = (0.0f64, 0.0f64);
     for emitter in [lamp(), sun()] {
-        let rig = Rig::new(request, &waves(emitter), &options(order, visits));
+        let rig = Rig::new(request, &waves(emitter), &options(order));
         let start = rig.given();
         let found = rig.wave();
         let marched = march(&rig.volume.grid, |_| WATER, &start, order);
         let (most, mean) = difference(&rig.volume.grid, WATER, &found, |at| marched[at]);
         let settled = rig.volume.check(&rig.device, &rig.kernels).unwrap();
-        println!("{order:?}, {visits} visits: largest {most:.2e}, mean {mean:.2e} cells; {settled:?}");
+        println!("{order:?}: largest {most:.2e}, mean {mean:.2e} cells; {settled:?}");
         assert_eq!(settled.unreached, 0);
         worst = (worst.0.max(most), worst.1.max(mean));
     }
@@ -51,19 +51,19 @@ fn compare(request: &Request, order: Order, visits: u32) -> (f64, f64) {
 }
 
 pub fn first(request: &Request) {
-    let (most, _) = compare(request, Order::First, 1);
+    let (most, _) = compare(request, Order::First);
     assert!(most < FIRST, "{most} cells");
 }
 
 pub fn second(request: &Request) {
-    let (most, mean) = compare(request, Order::Second, 1);
+    let (most, mean) = compare(request, Order::Second);
     assert!(most < SECOND.0 && mean < SECOND.1, "{most} and {mean} cells");
 }
 
 pub fn equal_bits(request: &Request) {
     let scene = waves(lamp());
     let bits = |_| {
-        let rig = Rig::new(request, &scene, &options(Order::Second, 2));
+        let rig = Rig::new(request, &scene, &options(Order::Second));
         rig.wave().into_iter().map(f64::to_bits).collect::<Vec<_>>()
     };
     let [first, again] = [0, 1].map(bits);

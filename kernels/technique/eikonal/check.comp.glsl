@@ -1,8 +1,9 @@
-// How far cells are from what their neighbours say: a block of planes an invocation.
+// How far cells are from what their neighbours say: a block of planes in a column an invocation.
 #include "shared/index.glsl"
 
 layout(set = 3, binding = 1, std430) readonly buffer EikonalValues { uint values[]; };
 layout(set = 3, binding = 4, std430) readonly buffer EikonalSides { float sides[]; };
+layout(set = 3, binding = 5, std430) writeonly buffer EikonalAsked { uint asked[]; }; // blocks that are to be visited again
 
 #include "technique/eikonal/update.glsl"
 #include "technique/eikonal/checks.glsl"
@@ -10,7 +11,7 @@ layout(set = 3, binding = 4, std430) readonly buffer EikonalSides { float sides[
 layout(push_constant) uniform CheckPush {
     EikonalSweep sweep;
     float tolerance; // cells times index
-    uint padding0;
+    float asks;      // cells times index: from which on a block is visited again
 } push;
 
 void main() {
@@ -35,20 +36,18 @@ void main() {
         float value = abs(uintBitsToFloat(known));
         if ((known & GIVEN) == 0u && known != floatBitsToUint(OUTSIDE)) {
             float off = abs(updated(sweep, ivec3(column, plane), cell, before).value - value) / sweep.step;
+            worst = max(worst, off);
             if (value >= UNKNOWN) unreached++;
-            else worst = max(worst, off);
             if (!(off <= push.tolerance)) unsettled++;
         }
         before = vec2(value, before.x);
         cell += sweep.strides.z;
     }
+    bool again = worst > push.asks;
+    asked[index] = again ? 1u : 0u;
+    if (again) atomicAdd(checks.asked, 1u);
     // Few get here, so that they seldom wait for each other.
-    if (worst > 0.1 * push.tolerance) atomicMax(checks.worst, floatBitsToUint(worst));
-    if (unsettled + unreached == 0u) return;
-    atomicAdd(checks.unsettled, unsettled);
-    atomicAdd(checks.unreached, unreached);
-    ivec2 off = abs(column - sweep.foot) + 1;
-    if (unsettled == 0u) return;
-    atomicMax(checks.reach_u, uint(off.x));
-    atomicMax(checks.reach_v, uint(off.y));
+    if (again) atomicMax(checks.worst, floatBitsToUint(worst));
+    if (unsettled > 0u) atomicAdd(checks.unsettled, unsettled);
+    if (unreached > 0u) atomicAdd(checks.unreached, unreached);
 }

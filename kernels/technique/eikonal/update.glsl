@@ -2,35 +2,10 @@
 #include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/godunov.glsl"
 #include "technique/eikonal/sides.glsl"
-
-struct EikonalSweep {
-    uvec3 cells;   // along u, v and the way of planes
-    int first;     // index of cell (0, 0, 0) of columns and planes
-    ivec3 strides; // from one cell to the next
-    float step;    // refractive index times m
-    ivec2 foot;    // the column under the light
-    uint turn;
-    uint options;  // SWEEP_..., and above them how often each cell is visited
-};
-
-const uint SWEEP_SECOND = 1u;     // differences of second order
-const uint SWEEP_LINEAR = 2u;     // waves that come in by the grid's sides are as the surface there says
-const uint SWEEP_BACKWARD_U = 4u; // of a settling sweep
-const uint SWEEP_BACKWARD_V = 8u;
-const uint SWEEP_VISITS = 4u;     // bits before the number of visits
-
-// Planes that an invocation goes through at once.
-const int BLOCK = 4;
+#include "technique/eikonal/blocks.glsl"
 
 float value_at(int cell) {
     return abs(uintBitsToFloat(values[cell]));
-}
-
-// Which column of a row-by-row list `columns` wide. Integers are divided lane by lane on llvmpipe; with fewer than 2048 in a
-// row floats are exact.
-ivec2 column_of(uint index, uint columns) {
-    int row = int((float(index) + 0.5) / float(columns));
-    return ivec2(int(index) - row * int(columns), row);
 }
 
 // Along an axis: an upwind neighbour, which side it is on, and what it counts for.

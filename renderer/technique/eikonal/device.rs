@@ -77,10 +77,26 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
+    pub struct SettlePush {
+        pub sweep: EikonalSweep,
+        pub least: f32,
+        pub padding0: u32,
+    }
+}
+
+crate::gpu_struct! {
+    pub struct FlowPush {
+        pub sweep: EikonalSweep,
+        pub least: f32,
+        pub outward: u32,
+    }
+}
+
+crate::gpu_struct! {
     pub struct CheckPush {
         pub sweep: EikonalSweep,
         pub tolerance: f32,
-        pub padding0: u32,
+        pub asks: f32,
     }
 }
 
@@ -90,22 +106,18 @@ crate::gpu_struct! {
         pub worst: u32,
         pub unsettled: u32,
         pub unreached: u32,
-        pub reach_u: u32,
-        pub reach_v: u32,
-        pub lower_u: u32,
-        pub lower_v: u32,
-        pub size_u: u32,
-        pub size_v: u32,
-        pub groups: [u32; 3],
+        pub groups_x: u32,
+        pub groups_y: u32,
+        pub groups_z: u32,
+        pub asked: u32,
+        pub padding0: u32,
     }
 }
 
 crate::gpu_struct! {
     pub struct DecidePush {
-        pub columns: [i32; 2],
-        pub foot: [i32; 2],
-        pub margin: i32,
-        pub padding0: u32,
+        pub groups_x: u32,
+        pub groups_y: u32,
     }
 }
 
@@ -117,6 +129,8 @@ pub const LAYOUTS: &[Layout] = &[
     VolumePush::LAYOUT,
     EikonalSweep::LAYOUT,
     SweepPush::LAYOUT,
+    SettlePush::LAYOUT,
+    FlowPush::LAYOUT,
     CheckPush::LAYOUT,
     EikonalChecks::LAYOUT,
     DecidePush::LAYOUT,

@@ -1,6 +1,6 @@
 //! The parallel solver: Godunov's differences, swept in the order in which light goes through the grid.
 
-use super::device::{CheckPush, DecidePush, EikonalChecks, EikonalGrid, EikonalSweep, SweepPush};
+use super::device::{CheckPush, DecidePush, EikonalChecks, EikonalGrid, EikonalSweep, FlowPush, SettlePush, SweepPush};
 use super::marching::Order;
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Groups, Kernel, Recorder};
 
@@ -8,9 +8,7 @@ use crate::gpu::{Bindings, Buffer, Device, GpuError, Groups, Kernel, Recorder};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverOptions {
     pub order: Order,
-    /// Times that the first sweep visits each cell, at least 1.
-    pub visits: u32,
-    /// Rounds of further sweeps at most, while any cell is off by more than [`TOLERANCE`].
+    /// Rounds of further sweeps at most, while cells have not settled.
     pub rounds: u32,
     /// Whether waves that come in by the grid's sides are as if the surface went on linearly there; else nothing comes in.
     pub linear: bool,
@@ -18,7 +16,7 @@ pub struct SolverOptions {
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        SolverOptions { order: Order::Second, visits: 1, rounds: 1, linear: true }
+        SolverOptions { order: Order::Second, rounds: 1, linear: true }
     }
 }
 
@@ -33,17 +31,23 @@ pub struct Settled {
     pub unreached: u32,
 }
 
-/// Cells times index by which a cell may be off what its neighbours say: ten times what rounding leaves.
+/// Cells times index by which a cell may be off what its neighbours say.
 pub const TOLERANCE: f32 = 1e-4;
 
-/// Levels from one visit of a cell to its next, and planes that an invocation goes through, as in the kernels.
-const SPACING: u32 = 3;
-const BLOCK: u32 = 4;
+/// Cells times index from which on a block of cells is visited again; errors of many cells add up on the light's way.
+const ASKS: f32 = 1e-5;
+/// What rounding leaves of that: of values of as many cells as there are along the three sides.
+const ROUNDING: f32 = 1.2e-7;
+/// Of what a block is visited for, the change that its neighbours are visited for.
+const PASSED_ON: f32 = 0.5;
+/// Of a cell's light, the change that its neighbours are visited for.
+const LIGHT_PASSED_ON: f32 = 1e-4;
+/// Planes that an invocation goes through, as in the kernels.
+pub(super) const BLOCK: u32 = 4;
 /// Bits of [`EikonalSweep::options`].
 const SECOND: u32 = 1;
 const LINEAR: u32 = 2;
 const BACKWARD: u32 = 4;
-const VISIT: u32 = 16;
 /// The sweeps of a further round, in units of [`BACKWARD`].
 const ROUND: [u32; 4] = [0, 1, 2, 3];
 
@@ -51,6 +55,7 @@ pub struct Solver {
     sweep: Kernel,
     settle: Kernel,
     check: Kernel,
+    flow: Kernel,
     decide: Kernel,
     sums: Buffer,
 }
@@ -61,12 +66,14 @@ impl Solver {
             sweep: Kernel::new(device, "eikonal/sweep", "")?,
             settle: Kernel::new(device, "eikonal/settle", "")?,
             check: Kernel::new(device, "eikonal/check", "")?,
+            flow: Kernel::new(device, "eikonal/flow", "")?,
             decide: Kernel::new(device, "eikonal/decide", "")?,
             sums: Buffer::zeroed(device, "eikonal checks", size_of::<EikonalChecks>() as u64)?,
         })
     }
 
-    /// Records sweeps over the values of `grid` that `bindings` hold as `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be found, [`OUTSIDE`](super::device::OUTSIDE),
+    /// Records sweeps over the values of `grid`. `bindings` hold `EikonalSides` and `EikonalAsked`, which
+    /// [`Volume`](super::Volume) makes, and `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be found, [`OUTSIDE`](super::device::OUTSIDE),
     /// or not less than 0 with the sign bit set where given. `foot`: the column from which light spreads.
     pub fn record(
         &self,
@@ -80,24 +87,55 @@ impl Solver {
         let [u, v, planes] = grid.cells;
         let farthest = |i: usize| foot[i].max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
         let blocks = planes.div_ceil(BLOCK);
-        let turns = blocks + farthest(0) + farthest(1) + SPACING * (options.visits - 1);
-        let pushes = (0..turns).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
-        let groups = Groups::of(&self.sweep, u * v * options.visits);
+        let pushes =
+            (0..blocks + farthest(0) + farthest(1)).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
+        let groups = Groups::of(&self.sweep, 2 * u * blocks);
         recorder.pass("eikonal/sweep")?.dispatch_in_turn(&self.sweep, &[bindings], pushes, groups)?;
         let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
         for _ in 0..options.rounds {
             self.record_check(recorder, bindings, grid, sweep)?;
-            let margin = (planes / DRIFT + 2) as i32;
-            let push = DecidePush { columns: [u as i32, v as i32], foot, margin, padding0: 0 };
+            let [groups_x, groups_y] = Groups::folded(&self.settle, u * blocks);
+            let push = DecidePush { groups_x, groups_y };
             recorder.pass("eikonal/decide")?.dispatch(&self.decide, &[&own], &push, 1)?;
-            let turns = blocks + u + v - 2;
-            let sweeps = ROUND.into_iter().flat_map(|backward| {
-                let options = sweep.options % BACKWARD + backward * BACKWARD;
-                (0..turns).map(move |turn| SweepPush { sweep: EikonalSweep { turn, options, ..sweep } })
+            let least = PASSED_ON * asks(grid) * sweep.step;
+            let pushes = ROUND.into_iter().flat_map(|backward| {
+                let options = sweep.options + backward * BACKWARD;
+                let turn = move |turn| EikonalSweep { turn, options, ..sweep };
+                (0..blocks + u + v - 2).map(move |at| SettlePush { sweep: turn(at), least, padding0: 0 })
             });
             let groups = Groups::From(&self.sums, GROUPS_OFFSET);
-            recorder.pass("eikonal/settle")?.dispatch_in_turn(&self.settle, &[&own], sweeps, groups)?;
+            recorder.pass("eikonal/settle")?.dispatch_in_turn(&self.settle, &[&own], pushes, groups)?;
         }
+        Ok(())
+    }
+
+    /// Records the way of light along the wave in `EikonalValues`, marks and all, from given cells to the others of
+    /// `EikonalLights`, which are 0 before; `EikonalAsked` holds 1 everywhere.
+    pub fn record_flow(
+        &self,
+        recorder: &mut Recorder,
+        bindings: &Bindings,
+        grid: &EikonalGrid,
+        foot: [i32; 2],
+        options: &SolverOptions,
+    ) -> Result<(), GpuError> {
+        let sweep = sweep_of(grid, foot, options);
+        let [u, v, planes] = grid.cells;
+        let blocks = planes.div_ceil(BLOCK);
+        let push = |turn, options, outward| {
+            let sweep = EikonalSweep { turn, options, ..sweep };
+            FlowPush { sweep, least: LIGHT_PASSED_ON, outward }
+        };
+        let farthest = |i: usize| foot[i].max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
+        let outward = (0..blocks + farthest(0) + farthest(1)).map(|turn| push(turn, sweep.options, 1));
+        let groups = Groups::of(&self.flow, 2 * u * blocks);
+        recorder.pass("eikonal/flow")?.dispatch_in_turn(&self.flow, &[bindings], outward, groups)?;
+        let across = ROUND.into_iter().flat_map(|backward| {
+            let options = sweep.options + backward * BACKWARD;
+            (0..blocks + u + v - 2).map(move |turn| push(turn, options, 0))
+        });
+        let groups = Groups::of(&self.flow, u * blocks);
+        recorder.pass("eikonal/flow_across")?.dispatch_in_turn(&self.flow, &[bindings], across, groups)?;
         Ok(())
     }
 
@@ -111,7 +149,7 @@ impl Solver {
         recorder.pass("eikonal/clear_check")?.fill(&self.sums, 0);
         let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
         let blocks = grid.cells[0] * grid.cells[1] * grid.cells[2].div_ceil(BLOCK);
-        let push = CheckPush { sweep, tolerance: TOLERANCE, padding0: 0 };
+        let push = CheckPush { sweep, tolerance: TOLERANCE, asks: asks(grid) };
         recorder.pass("eikonal/check")?.dispatch(&self.check, &[&own], &push, blocks)?;
         Ok(())
     }
@@ -138,10 +176,12 @@ impl Solver {
     }
 }
 
-/// Planes in which light that waves bend goes a column sideways, at the most that further sweeps provide for.
-const DRIFT: u32 = 8;
 /// Bytes of [`EikonalChecks`] before its group counts.
-const GROUPS_OFFSET: u64 = std::mem::offset_of!(EikonalChecks, groups) as u64;
+const GROUPS_OFFSET: u64 = std::mem::offset_of!(EikonalChecks, groups_x) as u64;
+
+fn asks(grid: &EikonalGrid) -> f32 {
+    ASKS.max(ROUNDING * grid.cells.iter().sum::<u32>() as f32)
+}
 
 fn sweep_of(grid: &EikonalGrid, foot: [i32; 2], options: &SolverOptions) -> EikonalSweep {
     let second = if options.order == Order::Second { SECOND } else { 0 };
@@ -153,6 +193,6 @@ fn sweep_of(grid: &EikonalGrid, foot: [i32; 2], options: &SolverOptions) -> Eiko
         step: grid.index * grid.cell,
         foot,
         turn: 0,
-        options: second + linear + options.visits * VISIT,
+        options: second + linear,
     }
 }

@@ -2,10 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Grid;
 use super::device::{EikonalGrid, EikonalSource, EikonalVolume, FacetPush, OUTSIDE, UNKNOWN, VolumePush};
 use super::path::Source;
-use super::solver::{Settled, Solver, SolverOptions};
-use super::Grid;
+use super::solver::{BLOCK, Settled, Solver, SolverOptions};
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
 use crate::scene::{Bounds, Emitter, Light, MediumId, Scene, Surface};
 
@@ -41,6 +41,7 @@ pub struct Kernels {
     given: Kernel,
     seal: Kernel,
     sides: Kernel,
+    light: Kernel,
     open: Kernel,
     pub solver: Solver,
 }
@@ -55,6 +56,7 @@ impl Kernels {
             given: kernel("eikonal/given")?,
             seal: kernel("eikonal/seal")?,
             sides: kernel("eikonal/sides")?,
+            light: kernel("eikonal/light")?,
             open: kernel("eikonal/open")?,
             solver: Solver::new(device)?,
         })
@@ -69,6 +71,8 @@ pub struct Volume {
     options: VolumeOptions,
     shared: EikonalVolume,
     values: Buffer,
+    asked: Buffer,
+    lights: Buffer,
     /// What the kernels' values lack, metres times index.
     offset: f64,
     facets: Vec<FacetPush>,
@@ -77,7 +81,12 @@ pub struct Volume {
 impl Volume {
     /// The volume that a light of the scene fills; `None` where no surface parts its medium from another, or nothing lies
     /// beyond it. Fails where the cells do not fit a buffer.
-    pub fn new(device: &Device, scene: &Scene, light: usize, options: &VolumeOptions) -> Result<Option<Self>, GpuError> {
+    pub fn new(
+        device: &Device,
+        scene: &Scene,
+        light: usize,
+        options: &VolumeOptions,
+    ) -> Result<Option<Self>, GpuError> {
         let light = &scene.lights[light];
         let Some(surface) = RefractingSurface::of(scene, light) else { return Ok(None) };
         let index = |medium: MediumId| if options.infinite { 1.0 } else { f64::from(scene.media[medium].index) };
@@ -108,6 +117,9 @@ impl Volume {
         let tops = Buffer::new(device, "eikonal tops", 4 * u64::from(columns))?;
         let sides = 2 * u64::from(planes.cells[0] + planes.cells[1]) * u64::from(planes.cells[2]);
         let sides = Buffer::new(device, "eikonal sides", 4 * sides)?;
+        let blocks = u64::from(columns) * u64::from(planes.cells[2].div_ceil(BLOCK));
+        let lights = Buffer::new(device, "eikonal lights", 4 * grid.len() as u64)?;
+        let asked = Buffer::new(device, "eikonal asked", 4 * blocks)?;
         let foot = match source {
             Source::Point { position, .. } => planes.column(&grid, position),
             _ => [0, 1].map(|i| match way[planes.axes[i] as usize] {
@@ -127,10 +139,14 @@ impl Volume {
                 .buffer("EikonalVolumes", &volumes)
                 .buffer("EikonalValues", &values)
                 .buffer("EikonalTops", &tops)
-                .buffer("EikonalSides", &sides),
+                .buffer("EikonalSides", &sides)
+                .buffer("EikonalAsked", &asked)
+                .buffer("EikonalLights", &lights),
             options: options.clone(),
             shared,
             values,
+            asked,
+            lights,
             offset,
             facets: facets.collect(),
             grid,
@@ -141,6 +157,7 @@ impl Volume {
     pub fn record(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         self.record_given(recorder, scene, kernels)?;
         self.record_wave(recorder, kernels)?;
+        self.record_light(recorder, scene, kernels)?;
         let push = VolumePush { volume: 0 };
         let cells = self.grid.len() as u32;
         recorder.pass("eikonal/open")?.dispatch(&kernels.open, &[&self.bindings], &push, cells)?;
@@ -173,6 +190,23 @@ impl Volume {
     /// Records the wave from what is given.
     pub fn record_wave(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
         kernels.solver.record(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+    }
+
+    /// Records the light that goes along a recorded wave whose marks are still there.
+    pub fn record_light(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
+        let bindings = [scene, &self.bindings];
+        recorder.pass("eikonal/clear_light")?.fill(&self.lights, 0).fill(&self.asked, 1);
+        let mut pass = recorder.pass("eikonal/light")?;
+        for facets in &self.facets {
+            pass.dispatch(&kernels.light, &bindings, facets, facets.triangles * facets.parts)?;
+        }
+        drop(pass);
+        kernels.solver.record_flow(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+    }
+
+    /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2. Media take nothing.
+    pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
+        self.lights.read(self.grid.len())
     }
 
     /// How well a recorded wave has settled; only before the marks are taken off, after [`record_wave`](Self::record_wave).
