@@ -11,7 +11,7 @@ use super::{QUADS, Request, Rig, WATER, cube, difference, water};
 const FIRST: f64 = 1e-4;
 /// The largest and mean difference of second order: marching takes a cell's values from what it had accepted by then, and
 /// never looks again, which shows where waves meet.
-const SECOND: (f64, f64) = (0.02, 1e-3);
+const SECOND: (f64, f64) = (5e-3, 1e-4);
 
 /// Waves that fold light within the cube.
 fn waves(emitter: Emitter) -> Scene {

@@ -25,15 +25,17 @@ ivec2 column_of(uint index, uint columns) {
     return ivec2(int(index) - row * int(columns), row);
 }
 
-// Outward from the foot: a block and a column along u say how far off the foot along v, on either side of it.
+// Outward from the foot, on its lower side a turn later, so that the places one below and one above it, which look at each
+// other, take turns too. A block and a column along u say how far off the foot along v, on either side of it.
 bool outward_block(EikonalSweep sweep, uint index, out ivec2 column, out int block) {
     ivec2 place = column_of(index, 2u * sweep.cells.x);
     block = place.y;
-    int side = place.x >= int(sweep.cells.x) ? 1 : 0;
-    column.x = place.x - side * int(sweep.cells.x);
-    int off = int(sweep.turn) - block - abs(column.x - sweep.foot.x);
-    column.y = sweep.foot.y + (side == 0 ? off : -off);
-    bool there = off >= side && column.y >= 0 && column.y < int(sweep.cells.y);
+    bool lower = place.x >= int(sweep.cells.x);
+    column.x = lower ? place.x - int(sweep.cells.x) : place.x;
+    int off_u = column.x - sweep.foot.x;
+    int off = int(sweep.turn) - block - (off_u >= 0 ? off_u : 1 - off_u);
+    column.y = sweep.foot.y + (lower ? 1 - off : off);
+    bool there = off >= (lower ? 2 : 0) && column.y >= 0 && column.y < int(sweep.cells.y);
     return there && block * BLOCK < int(sweep.cells.z);
 }
 

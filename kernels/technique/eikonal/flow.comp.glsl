@@ -20,15 +20,28 @@ layout(push_constant) uniform FlowPush {
 // Of the way through a cell, the least that light leaves it by: where waves meet more comes in than goes out.
 const float LEAST_OUT = 0.02;
 
-// What comes in and what goes out along an axis. A side that lacks a neighbour passes what it would if the wave went on.
-void along(inout float comes, inout float leaves, int cell, int stride, bool has_below, bool has_above, float here) {
-    float below = has_below ? abs(uintBitsToFloat(values[cell - stride])) : UNKNOWN;
-    float above = has_above ? abs(uintBitsToFloat(values[cell + stride])) : UNKNOWN;
-    has_below = below < UNKNOWN;
-    has_above = above < UNKNOWN;
+float value_at(int cell, bool there) {
+    return there ? abs(uintBitsToFloat(values[cell])) : UNKNOWN;
+}
+
+// What comes in and what goes out along an axis. A side that lacks a neighbour passes what it would if the wave went on bent as
+// it is, and light likewise.
+void along(inout float comes, inout float leaves, int cell, int stride, int place, int last, float here) {
+    float below = value_at(cell - stride, place > 0);
+    float above = value_at(cell + stride, place < last);
+    bool has_below = below < UNKNOWN;
+    bool has_above = above < UNKNOWN;
     if (!has_below && !has_above) return;
-    float to_here = has_below ? here - below : above - here;
-    float from_here = has_above ? above - here : to_here;
+    float to_here = here - below;
+    float from_here = above - here;
+    if (!has_above) {
+        float behind = value_at(cell - 2 * stride, place > 1);
+        from_here = behind < UNKNOWN ? 2.0 * to_here - (below - behind) : to_here;
+    }
+    if (!has_below) {
+        float behind = value_at(cell + 2 * stride, place < last - 1);
+        to_here = behind < UNKNOWN ? 2.0 * from_here - (behind - above) : from_here;
+    }
     leaves += max(from_here, 0.0) + max(-to_here, 0.0);
     if (has_below) comes += max(to_here, 0.0) * lights[cell - stride];
     else leaves -= max(to_here, 0.0);
@@ -49,9 +62,9 @@ float visit(EikonalSweep sweep, ivec2 column, int block) {
         if ((known & GIVEN) == 0u && here < UNKNOWN) {
             float comes = 0.0;
             float leaves = 0.0;
-            along(comes, leaves, cell, sweep.strides.x, column.x > 0, column.x < last.x, here);
-            along(comes, leaves, cell, sweep.strides.y, column.y > 0, column.y < last.y, here);
-            along(comes, leaves, cell, sweep.strides.z, plane > 0, plane < last.z, here);
+            along(comes, leaves, cell, sweep.strides.x, column.x, last.x, here);
+            along(comes, leaves, cell, sweep.strides.y, column.y, last.y, here);
+            along(comes, leaves, cell, sweep.strides.z, plane, last.z, here);
             float light = comes / max(leaves, LEAST_OUT * sweep.step);
             change = max(change, abs(light - lights[cell]) / max(light, 1e-20));
             lights[cell] = light;

@@ -14,13 +14,18 @@ float value_at(int cell) {
     return abs(uintBitsToFloat(values[cell]));
 }
 
-// The wave's Laplacian at a cell, or in the plane behind where the surface cuts its neighbours off; 0 where there is none.
-float laplacian(EikonalGrid grid, int cell) {
-    for (int i = 0; i < 2; i++) {
-        int at = cell + i * grid.strides.z;
-        float sum = value_at(at - grid.strides.x) + value_at(at + grid.strides.x) + value_at(at - grid.strides.y) +
-                    value_at(at + grid.strides.y) + value_at(at - grid.strides.z) + value_at(at + grid.strides.z);
-        if (sum < UNKNOWN) return (sum - 6.0 * value_at(at)) / (grid.cell * grid.cell);
+// The wave's Laplacian at a cell, or as near to it as all neighbours are there: a column inwards from the grid's sides, in the
+// plane behind where the surface cuts neighbours off. 0 where that is not near enough.
+float laplacian(EikonalGrid grid, int cell, ivec3 at) {
+    ivec3 inner = clamp(at, ivec3(1), ivec3(grid.cells) - 2);
+    if (any(lessThan(ivec3(grid.cells), ivec3(3)))) return 0.0;
+    ivec3 step = inner - at;
+    cell += step.x * grid.strides.x + step.y * grid.strides.y + step.z * grid.strides.z;
+    for (int i = 0; i < 2 && inner.z + i < int(grid.cells.z) - 1; i++) {
+        int here = cell + i * grid.strides.z;
+        float sum = value_at(here - grid.strides.x) + value_at(here + grid.strides.x) + value_at(here - grid.strides.y) +
+                    value_at(here + grid.strides.y) + value_at(here - grid.strides.z) + value_at(here + grid.strides.z);
+        if (sum < UNKNOWN) return (sum - 6.0 * value_at(here)) / (grid.cell * grid.cell);
     }
     return 0.0;
 }
@@ -47,10 +52,8 @@ void meet(EikonalVolume volume, Facet f, int cell, vec3 to, float bound) {
     EikonalPath path = path_through(volume.source, f.corner[0], f.corner[1], f.corner[2], f.normal, to, volume.grid.index);
     if (!(path.value <= known + SAME * (known + volume.grid.cell))) return;
     EikonalGrid grid = volume.grid;
-    // Differences want neighbours, which the grid's own sides lack.
-    vec3 place = to_cells(grid, to);
-    bool inside = all(greaterThan(place, vec3(0.5))) && all(lessThan(place, vec3(grid.cells) - 2.5));
-    float curved = inside ? laplacian(grid, cell) * length(to - path.at) / grid.index : 0.0;
+    ivec3 place = ivec3(round(to_cells(grid, to)));
+    float curved = laplacian(grid, cell, place) * length(to - path.at) / grid.index;
     float light = light_below(volume, f, path.at, to) * exp(-clamp(curved, -1.0, 1.0));
     if (light >= 0.0 && light < UNKNOWN) atomicMax(light_bits[cell], floatBitsToUint(light));
 }

@@ -15,7 +15,7 @@ struct Upwind {
     vec2 term;
 };
 
-Upwind across(bool second, int cell, int stride, int place, int last, int foot) {
+Upwind across(bool second, int cell, int stride, int place, int last) {
     float below = place > 0 ? value_at(cell - stride) : UNKNOWN;
     float above = place < last ? value_at(cell + stride) : UNKNOWN;
     Upwind a;
@@ -23,9 +23,7 @@ Upwind across(bool second, int cell, int stride, int place, int last, int foot) 
     a.near = min(below, above);
     a.term = vec2(a.near, 1.0);
     int end = place + 2 * a.way;
-    // Across the foot two cells are visited at once; there the first order does.
-    bool there = end >= 0 && end <= last && abs(end - foot) != abs(place - foot);
-    if (second && there && a.near < UNKNOWN) a.term = upwind_term(a.near, value_at(cell + 2 * a.way * stride));
+    if (second && end >= 0 && end <= last && a.near < UNKNOWN) a.term = upwind_term(a.near, value_at(cell + 2 * a.way * stride));
     return a;
 }
 
@@ -49,8 +47,8 @@ Updated updated(EikonalSweep sweep, ivec3 at, int cell, vec2 before) {
     bool second = (sweep.options & SWEEP_SECOND) != 0u;
     ivec2 last = ivec2(sweep.cells.xy) - 1;
     vec2 along = second ? upwind_term(before.x, before.y) : vec2(before.x, 1.0);
-    Upwind u = across(second, cell, sweep.strides.x, at.x, last.x, sweep.foot.x);
-    Upwind v = across(second, cell, sweep.strides.y, at.y, last.y, sweep.foot.y);
+    Upwind u = across(second, cell, sweep.strides.x, at.x, last.x);
+    Upwind v = across(second, cell, sweep.strides.y, at.y, last.y);
     float whole = sweep.step * sweep.step;
     float square = whole;
     Updated result;

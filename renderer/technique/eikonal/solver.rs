@@ -85,10 +85,8 @@ impl Solver {
     ) -> Result<(), GpuError> {
         let sweep = sweep_of(grid, foot, options);
         let [u, v, planes] = grid.cells;
-        let farthest = |i: usize| foot[i].max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
         let blocks = planes.div_ceil(BLOCK);
-        let pushes =
-            (0..blocks + farthest(0) + farthest(1)).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
+        let pushes = (0..blocks + farthest(grid, foot)).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
         let groups = Groups::of(&self.sweep, 2 * u * blocks);
         recorder.pass("eikonal/sweep")?.dispatch_in_turn(&self.sweep, &[bindings], pushes, groups)?;
         let own = bindings.clone().buffer("EikonalCheckSums", &self.sums);
@@ -126,8 +124,7 @@ impl Solver {
             let sweep = EikonalSweep { turn, options, ..sweep };
             FlowPush { sweep, least: LIGHT_PASSED_ON, outward }
         };
-        let farthest = |i: usize| foot[i].max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
-        let outward = (0..blocks + farthest(0) + farthest(1)).map(|turn| push(turn, sweep.options, 1));
+        let outward = (0..blocks + farthest(grid, foot)).map(|turn| push(turn, sweep.options, 1));
         let groups = Groups::of(&self.flow, 2 * u * blocks);
         recorder.pass("eikonal/flow")?.dispatch_in_turn(&self.flow, &[bindings], outward, groups)?;
         let across = ROUND.into_iter().flat_map(|backward| {
@@ -178,6 +175,12 @@ impl Solver {
 
 /// Bytes of [`EikonalChecks`] before its group counts.
 const GROUPS_OFFSET: u64 = std::mem::offset_of!(EikonalChecks, groups_x) as u64;
+
+/// Turns between the first visit of a plane and the last; on the foot's lower side they are one later.
+fn farthest(grid: &EikonalGrid, foot: [i32; 2]) -> u32 {
+    let turns = |i: usize| (foot[i] + 1).max(grid.cells[i] as i32 - 1 - foot[i]) as u32;
+    turns(0) + turns(1)
+}
 
 fn asks(grid: &EikonalGrid) -> f32 {
     ASKS.max(ROUNDING * grid.cells.iter().sum::<u32>() as f32)
