@@ -79,17 +79,14 @@ fn measure(options: &Options, scene: &Scene, device: &Device, cells: u32) -> Res
         let started = Instant::now();
         let mut recorder = Recorder::new(device)?;
         volume.record_given(&mut recorder, &gpu_scene.bindings, &kernels)?;
-        let passes = recorder.submit()?;
+        recorder.submit()?;
         given = given.min(started.elapsed().as_secs_f64() * 1e3);
         let started = Instant::now();
         let mut recorder = Recorder::new(device)?;
         volume.record_wave(&mut recorder, &kernels)?;
-        let more = recorder.submit()?;
+        recorder.submit()?;
         wave = wave.min(started.elapsed().as_secs_f64() * 1e3);
         cpu += (cpu_seconds() - before) * 1e3 / f64::from(options.repeat);
-        for pass in passes.iter().chain(&more) {
-            eprintln!("{} {:.2}", pass.name, pass.milliseconds.unwrap_or(f64::NAN));
-        }
     }
     let settled = volume.check(device, &kernels)?;
     let marching = if options.marching {

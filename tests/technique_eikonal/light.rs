@@ -10,8 +10,9 @@ use super::{Request, Rig, WATER, cube, water};
 
 /// Of flat water's light, what it may be off anywhere.
 const FLAT: f64 = 0.005;
-/// Of a lamp's light: upwind light of first order is spread across its way, and its curvature is known to half a cell.
-const LAMP: (f64, f64) = (0.05, 0.01);
+/// Of a lamp's light, largest and mean: upwind light of first order is spread across its way, and its curvature next to the
+/// grid's sides is that a column inwards. 0.038 and 0.0035 on llvmpipe, 0.058 and 0.0035 on SwiftShader.
+const LAMP: (f64, f64) = (0.08, 0.005);
 /// Of the light on a cap's axis.
 const AXIS: f64 = 0.03;
 
@@ -49,8 +50,7 @@ pub fn flat(request: &Request) {
         let direction = direction.as_vec3().normalize();
         let emitter = Emitter::Directional { direction, irradiance: Vec3::ONE };
         let rig = Rig::new(request, &water(emitter, 8.0, 1, |_| 0.0), &options(cube(32)));
-        let (most, mean) = off(&rig, |_| below(-f64::from(direction.y), WATER));
-        println!("{direction}: off by {most:.2e} at most, {mean:.2e} in the mean");
+        let (most, _) = off(&rig, |_| below(-f64::from(direction.y), WATER));
         assert!(most < FLAT, "{direction}: {most}");
     }
 }
@@ -58,14 +58,9 @@ pub fn flat(request: &Request) {
 /// A lamp's light through flat water.
 pub fn lamp(request: &Request) {
     let emitter = Emitter::Point { position: Vec3::new(1.5, 6.0, -1.0), intensity: Vec3::splat(100.0) };
-    for cells in [16, 32] {
-        let rig = Rig::new(request, &water(emitter.clone(), 8.0, 1, |_| 0.0), &options(cube(cells)));
-        let (most, mean) = off(&rig, |at| refracted_light(at).fluence / 100.0);
-        println!("{cells}: off by {most:.2e} at most, {mean:.2e} in the mean");
-        if cells == 32 {
-            assert!(most < LAMP.0 && mean < LAMP.1, "{most} and {mean}");
-        }
-    }
+    let rig = Rig::new(request, &water(emitter, 8.0, 1, |_| 0.0), &options(cube(32)));
+    let (most, mean) = off(&rig, |at| refracted_light(at).fluence / 100.0);
+    assert!(most < LAMP.0 && mean < LAMP.1, "{most} and {mean}");
 }
 
 /// On the axis of a cap light grows as the square of what is left to its focus falls.
@@ -84,7 +79,6 @@ pub fn cap(request: &Request) {
         let depth = -grid.centre(at).y;
         let found = f64::from(light[grid.index(at)]);
         let expected = below(1.0, WATER) * (focus / (focus - depth)).powi(2);
-        println!("{depth:.2} m down: {found:.4} for {expected:.4}");
         assert!((found / expected - 1.0).abs() < AXIS, "{depth} m down: {found} for {expected}");
     }
 }

@@ -43,7 +43,6 @@ fn compare(request: &Request, order: Order) -> (f64, f64) {
         let marched = march(&rig.volume.grid, |_| WATER, &start, order);
         let (most, mean) = difference(&rig.volume.grid, WATER, &found, |at| marched[at]);
         let settled = rig.volume.check(&rig.device, &rig.kernels).unwrap();
-        println!("{order:?}: largest {most:.2e}, mean {mean:.2e} cells; {settled:?}");
         assert_eq!(settled.unreached, 0);
         worst = (worst.0.max(most), worst.1.max(mean));
     }

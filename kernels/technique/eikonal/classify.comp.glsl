@@ -4,7 +4,7 @@
 
 layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
 layout(set = 3, binding = 3, std430) writeonly buffer EikonalTops { int tops[]; }; // each column's first plane inside
-layout(push_constant) uniform VolumePush {
+layout(push_constant) uniform EikonalPush {
     uint volume;
 } push;
 

@@ -5,7 +5,7 @@
 
 layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
 layout(set = 3, binding = 3, std430) readonly buffer EikonalTops { int tops[]; };
-layout(push_constant) uniform VolumePush {
+layout(push_constant) uniform EikonalPush {
     uint volume;
 } push;
 

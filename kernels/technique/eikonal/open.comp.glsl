@@ -3,7 +3,7 @@
 #include "technique/eikonal/volume.glsl"
 
 layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
-layout(push_constant) uniform VolumePush {
+layout(push_constant) uniform EikonalPush {
     uint volume;
 } push;
 

@@ -8,7 +8,7 @@ layout(set = 3, binding = 4, std430) writeonly buffer EikonalSides { float sides
 #include "technique/eikonal/volume.glsl"
 #include "technique/eikonal/sides.glsl"
 
-layout(push_constant) uniform VolumePush {
+layout(push_constant) uniform EikonalPush {
     uint volume;
 } push;
 

@@ -52,7 +52,7 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
-    pub struct VolumePush {
+    pub struct EikonalPush {
         pub volume: u32,
     }
 }
@@ -126,7 +126,7 @@ pub const LAYOUTS: &[Layout] = &[
     EikonalSource::LAYOUT,
     EikonalVolume::LAYOUT,
     FacetPush::LAYOUT,
-    VolumePush::LAYOUT,
+    EikonalPush::LAYOUT,
     EikonalSweep::LAYOUT,
     SweepPush::LAYOUT,
     SettlePush::LAYOUT,

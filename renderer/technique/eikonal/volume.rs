@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Grid;
-use super::device::{EikonalGrid, EikonalSource, EikonalVolume, FacetPush, OUTSIDE, UNKNOWN, VolumePush};
+use super::device::{EikonalGrid, EikonalPush, EikonalSource, EikonalVolume, FacetPush, OUTSIDE, UNKNOWN};
 use super::path::Source;
 use super::solver::{BLOCK, Settled, Solver, SolverOptions};
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
@@ -158,7 +158,7 @@ impl Volume {
         self.record_given(recorder, scene, kernels)?;
         self.record_wave(recorder, kernels)?;
         self.record_light(recorder, scene, kernels)?;
-        let push = VolumePush { volume: 0 };
+        let push = EikonalPush { volume: 0 };
         let cells = self.grid.len() as u32;
         recorder.pass("eikonal/open")?.dispatch(&kernels.open, &[&self.bindings], &push, cells)?;
         Ok(())
@@ -167,7 +167,7 @@ impl Volume {
     /// Records what is given next to the surface, marked as such.
     pub fn record_given(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
-        let push = VolumePush { volume: 0 };
+        let push = EikonalPush { volume: 0 };
         let [u, v, _] = self.shared.grid.cells;
         recorder.pass("eikonal/clear")?.fill(&self.values, 0);
         let mut pass = recorder.pass("eikonal/cross")?;

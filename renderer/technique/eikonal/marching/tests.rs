@@ -71,7 +71,6 @@ fn order_of(exact: fn(DVec3) -> f64, depth: fn(DVec3) -> f64, order: Order) -> f
         // What is given is as thick in metres on both.
         let start = start_closed(&grid, exact, depth, 2.0 * f64::from(cells) / 24.0);
         let (most, mean) = errors(&grid, &march(&grid, |_| WATER, &start, order), exact);
-        println!("{order:?} {cells}: largest {most:.6}, mean {mean:.6} cells");
         (mean * grid.cell, most)
     };
     let [coarse, fine] = [run(24), run(48)];
@@ -85,7 +84,6 @@ fn errors_fall_with_the_order() {
         ("cap", cap, |at| 1.5 - at.distance(DVec3::new(0.5, -0.6, 0.5))),
     ] {
         let [first, second] = [Order::First, Order::Second].map(|order| order_of(exact, depth, order));
-        println!("{name}: {first:.2} and {second:.2}");
         assert!(first > 0.8, "{name}: first order is {first}");
         assert!(second > 1.7, "{name}: second order is {second}");
     }
