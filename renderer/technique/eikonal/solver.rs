@@ -73,8 +73,9 @@ impl Solver {
     }
 
     /// Records sweeps over the values of `grid`. `bindings` hold `EikonalSides` and `EikonalAsked`, which
-    /// [`Volume`](super::Volume) makes, and `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be found, [`OUTSIDE`](super::device::OUTSIDE),
-    /// or not less than 0 with the sign bit set where given. `foot`: the column from which light spreads.
+    /// [`Volume`](super::Volume) makes, and `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be
+    /// found, [`OUTSIDE`](super::device::OUTSIDE), or not less than 0 with the sign bit set where given. `foot`: the column
+    /// from which light spreads.
     pub fn record(
         &self,
         recorder: &mut Recorder,
