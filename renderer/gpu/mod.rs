@@ -37,7 +37,7 @@ pub use memory::{Buffer, Image};
 pub use painter::Painter;
 pub use quirks::Quirks;
 pub use raster::{Raster, RasterStages, RasterTargets};
-pub use recorder::{Pass, PassTime, Recorder};
+pub use recorder::{Groups, Pass, PassTime, Recorder};
 pub use reflect::{Interface, Struct, reflect};
 #[cfg(feature = "hot-reload")]
 pub use reload::{KernelWatch, ReloadReport, WatchError};

@@ -275,6 +275,28 @@ impl Drop for Recorder {
     }
 }
 
+/// How many workgroups run.
+#[derive(Clone, Copy)]
+pub enum Groups<'a> {
+    Count(u32),
+    /// Three u32 counts at that byte of a buffer.
+    From(&'a Buffer, u64),
+}
+
+impl Groups<'_> {
+    /// As many as `count` invocations take.
+    pub fn of(kernel: &Kernel, count: u32) -> Self {
+        Groups::Count(count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)))
+    }
+
+    /// Along x and y, for kernels that find their index by `linear_index()`.
+    pub fn folded(kernel: &Kernel, count: u32) -> [u32; 2] {
+        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)).max(1);
+        let x = groups.min(MAX_GROUPS_X);
+        [x, groups.div_ceil(x)]
+    }
+}
+
 /// An open pass. It closes when dropped.
 pub struct Pass<'a> {
     recorder: &'a mut Recorder,
@@ -290,15 +312,71 @@ impl Pass<'_> {
         push: &impl bytemuck::NoUninit,
         count: u32,
     ) -> Result<&mut Self, GpuError> {
-        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1));
-        if groups == 0 {
+        let groups = Groups::of(kernel, count);
+        if matches!(groups, Groups::Count(0)) {
             return Ok(self);
         }
         self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        let x = groups.min(MAX_GROUPS_X);
-        // SAFETY: the pipeline and its descriptors are bound.
-        unsafe { self.recorder.device.raw.cmd_dispatch(self.recorder.commands, x, groups.div_ceil(x), 1) };
+        self.run(&groups);
         Ok(self)
+    }
+
+    /// Runs `kernel` once for each of `pushes`; each run sees what those before it wrote. Bound once: sets made anew for each of
+    /// hundreds of runs would cost more than the runs.
+    pub fn dispatch_in_turn<P: bytemuck::NoUninit>(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        pushes: impl IntoIterator<Item = P>,
+        groups: Groups<'_>,
+    ) -> Result<&mut Self, GpuError> {
+        let mut pushes = pushes.into_iter();
+        let Some(first) = pushes.next() else { return Ok(self) };
+        let groups = self.check_groups(kernel, groups)?;
+        self.bind(kernel, bindings, bytemuck::bytes_of(&first))?;
+        self.run(&groups);
+        for push in pushes {
+            let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+            self.recorder.barrier(stage, vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
+            let (layout, bytes) = (&kernel.layout, bytemuck::bytes_of(&push));
+            // SAFETY: push constants of the type that `bind` checked, for the pipeline that is bound.
+            unsafe {
+                let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
+                raw.cmd_push_constants(commands, layout.raw, layout.stages, 0, bytes);
+            }
+            self.run(&groups);
+        }
+        Ok(self)
+    }
+
+    /// Runs what is bound.
+    fn run(&self, groups: &Groups<'_>) {
+        let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
+        match *groups {
+            // SAFETY: the pipeline and its descriptors are bound.
+            Groups::Count(count) => unsafe {
+                let x = count.min(MAX_GROUPS_X);
+                raw.cmd_dispatch(commands, x, count.div_ceil(x.max(1)), 1);
+            },
+            // SAFETY: as above; the buffer was made for indirect use, and is held.
+            Groups::From(arguments, offset) => unsafe {
+                raw.cmd_dispatch_indirect(commands, arguments.raw, offset);
+            },
+        }
+    }
+
+    /// Makes sure that the groups can be run, and that there are some.
+    fn check_groups<'b>(&mut self, kernel: &Kernel, groups: Groups<'b>) -> Result<Groups<'b>, GpuError> {
+        if let Groups::From(arguments, offset) = groups {
+            if offset + 12 > arguments.size() || !offset.is_multiple_of(4) {
+                return Err(GpuError::Kernel {
+                    kernel: kernel.name.clone(),
+                    reason: format!("its group counts at byte {offset} are not inside {}", arguments.name()),
+                });
+            }
+            self.hold(arguments);
+        }
+        Ok(groups)
     }
 
     /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
@@ -310,16 +388,9 @@ impl Pass<'_> {
         arguments: &Buffer,
         offset: u64,
     ) -> Result<&mut Self, GpuError> {
-        if offset + 12 > arguments.size() || !offset.is_multiple_of(4) {
-            return Err(GpuError::Kernel {
-                kernel: kernel.name.clone(),
-                reason: format!("its group counts at byte {offset} are not inside {}", arguments.name()),
-            });
-        }
+        let groups = self.check_groups(kernel, Groups::From(arguments, offset))?;
         self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        self.hold(arguments);
-        // SAFETY: the buffer was made for indirect use, and is held.
-        unsafe { self.recorder.device.raw.cmd_dispatch_indirect(self.recorder.commands, arguments.raw, offset) };
+        self.run(&groups);
         Ok(self)
     }
 

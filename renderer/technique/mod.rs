@@ -1,6 +1,7 @@
 //! Techniques: each adds caustic light to the film, nothing else.
 
 pub mod beams;
+pub mod eikonal;
 pub mod emission;
 pub mod mnee;
 pub mod photons;

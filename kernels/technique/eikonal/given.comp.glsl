@@ -1,0 +1,15 @@
+// Values of cells next to the surface: the shortest optical path from the light through any triangle near by, at the cell's
+// own middle (errata 15 and 17). Positive floats sort as integers, so that the least does not depend on the order.
+#include "technique/eikonal/surface.glsl"
+#include "technique/eikonal/near.glsl"
+
+bool wanted(int cell) {
+    float known = uintBitsToFloat(values[cell]);
+    return known != OUTSIDE && known != UNKNOWN;
+}
+
+void meet(EikonalVolume volume, Facet f, int cell, vec3 to, float bound) {
+    if (bound > uintBitsToFloat(values[cell])) return;
+    float value = path_through(volume.source, f.corner[0], f.corner[1], f.corner[2], f.normal, to, volume.grid.index).value;
+    if (value >= 0.0 && value < UNKNOWN) atomicMin(values[cell], floatBitsToUint(value));
+}
