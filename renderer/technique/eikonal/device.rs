@@ -121,7 +121,18 @@ crate::gpu_struct! {
     }
 }
 
+crate::gpu_struct! {
+    /// See `kernels/technique/eikonal/gather.comp.glsl`.
+    pub struct GatherPush {
+        pub light: u32,
+        pub first: u32,
+        pub shadows: u32,
+        pub mapped: u32,
+    }
+}
+
 pub const LAYOUTS: &[Layout] = &[
+    GatherPush::LAYOUT,
     EikonalGrid::LAYOUT,
     EikonalSource::LAYOUT,
     EikonalVolume::LAYOUT,

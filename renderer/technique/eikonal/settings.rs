@@ -1,0 +1,60 @@
+//! What `--set eikonal.key=value` and a scene file's `[technique.eikonal]` can say.
+
+use super::marching::Order;
+use super::{SolverOptions, VolumeOptions};
+use crate::technique::{Setting, SettingKind, Settings};
+
+/// All of them.
+pub const SETTINGS: &[Setting] = &[
+    Setting {
+        key: "resolution",
+        kind: SettingKind::Integer { min: 8, max: 1024 },
+        default: "128",
+        unit: "cells",
+        help: "Cells along the longest side of each light's volume, which spans what is lit below the surface",
+    },
+    Setting {
+        key: "index",
+        kind: SettingKind::Choice(&["medium", "infinite"]),
+        default: "medium",
+        unit: "",
+        help: "Refractive index below the surface. medium: the scene's. infinite: as in the paper, whose waves leave at right \
+               angles to the surface, whatever the light's direction",
+    },
+    Setting {
+        key: "order",
+        kind: SettingKind::Choice(&["second", "first"]),
+        default: "second",
+        unit: "",
+        help: "Order of the differences of optical paths; the paper's is the first",
+    },
+    Setting {
+        key: "sides",
+        kind: SettingKind::Choice(&["linear", "open"]),
+        default: "linear",
+        unit: "",
+        help: "What comes in by the volume's sides: a wave as if the surface went on linearly, or nothing",
+    },
+    Setting {
+        key: "shadows",
+        kind: SettingKind::Choice(&["rays", "off"]),
+        default: "rays",
+        unit: "",
+        help: "Whether things under the surface and above it shade what is behind them: by a ray back along the wave and on to \
+               the light, or not, as in the paper",
+    },
+];
+
+/// What a technique's volumes are made by.
+pub(super) fn volume_options(settings: &Settings) -> VolumeOptions {
+    VolumeOptions {
+        resolution: settings.integer("resolution"),
+        infinite: settings.choice("index") == "infinite",
+        solver: SolverOptions {
+            order: if settings.choice("order") == "first" { Order::First } else { Order::Second },
+            linear: settings.choice("sides") == "linear",
+            ..SolverOptions::default()
+        },
+        ..VolumeOptions::default()
+    }
+}
