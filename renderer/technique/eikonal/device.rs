@@ -85,10 +85,10 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
-    pub struct FlowPush {
-        pub sweep: EikonalSweep,
-        pub least: f32,
-        pub outward: u32,
+    /// See `kernels/technique/eikonal/light.comp.glsl`.
+    pub struct LightPush {
+        pub volume: u32,
+        pub runs: u32,
     }
 }
 
@@ -141,7 +141,7 @@ pub const LAYOUTS: &[Layout] = &[
     EikonalSweep::LAYOUT,
     SweepPush::LAYOUT,
     SettlePush::LAYOUT,
-    FlowPush::LAYOUT,
+    LightPush::LAYOUT,
     CheckPush::LAYOUT,
     EikonalChecks::LAYOUT,
     DecidePush::LAYOUT,

@@ -12,7 +12,7 @@ pub mod volume;
 
 pub use grid::Grid;
 pub use settings::SETTINGS;
-pub use solver::{Settled, Solver, SolverOptions};
+pub use solver::{Scheme, Settled, Solver, SolverOptions};
 pub use volume::{Kernels, Volume, VolumeOptions};
 
 use super::{Context, LedgerEntry, Settings, Technique};

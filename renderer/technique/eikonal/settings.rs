@@ -1,7 +1,7 @@
 //! What `--set eikonal.key=value` and a scene file's `[technique.eikonal]` can say.
 
 use super::marching::Order;
-use super::{SolverOptions, VolumeOptions};
+use super::{Scheme, SolverOptions, VolumeOptions};
 use crate::technique::{Setting, SettingKind, Settings};
 
 /// All of them.
@@ -22,11 +22,12 @@ pub const SETTINGS: &[Setting] = &[
                angles to the surface, whatever the light's direction",
     },
     Setting {
-        key: "order",
-        kind: SettingKind::Choice(&["second", "first"]),
-        default: "second",
+        key: "solver",
+        kind: SettingKind::Choice(&["planes", "sweeps", "sweeps-first"]),
+        default: "planes",
         unit: "",
-        help: "Order of the differences of optical paths; the paper's is the first",
+        help: "How optical paths are found. planes: each plane of cells from the one before, along light's way between cells. \
+               sweeps: by differences of second order against the wave. sweeps-first: of first order, as in the paper",
     },
     Setting {
         key: "sides",
@@ -51,7 +52,11 @@ pub(super) fn volume_options(settings: &Settings) -> VolumeOptions {
         resolution: settings.integer("resolution"),
         infinite: settings.choice("index") == "infinite",
         solver: SolverOptions {
-            order: if settings.choice("order") == "first" { Order::First } else { Order::Second },
+            scheme: match settings.choice("solver") {
+                "sweeps" => Scheme::Sweeps(Order::Second),
+                "sweeps-first" => Scheme::Sweeps(Order::First),
+                _ => Scheme::Planes,
+            },
             linear: settings.choice("sides") == "linear",
             ..SolverOptions::default()
         },

@@ -1,7 +1,7 @@
 //! One light's volume: where it is, what is given next to the surface, and what the wave makes of it.
 
 use super::Grid;
-use super::device::{EikonalGrid, EikonalPush, EikonalSource, EikonalVolume, FacetPush, OUTSIDE, UNKNOWN};
+use super::device::{EikonalGrid, EikonalPush, EikonalSource, EikonalVolume, FacetPush, LightPush, OUTSIDE, UNKNOWN};
 use super::path::Source;
 use super::solver::{BLOCK, Settled, Solver, SolverOptions};
 use super::surface::RefractingSurface;
@@ -30,6 +30,9 @@ impl Default for VolumeOptions {
 const BAND: u32 = 2;
 /// Components of the light's mean way below which it comes in by neither of two sides.
 const UPRIGHT: f32 = 0.02;
+
+/// Quads that an invocation of `eikonal/light` goes through.
+const RUN: u32 = 8;
 
 pub struct Kernels {
     cross: Kernel,
@@ -71,7 +74,6 @@ pub struct Volume {
     shared: EikonalVolume,
     volumes: Buffer,
     values: Buffer,
-    asked: Buffer,
     lights: Buffer,
     /// What the kernels' values lack, metres times index.
     offset: f64,
@@ -160,17 +162,16 @@ impl Volume {
         let blocks = u64::from(columns) * u64::from(planes.cells[2].div_ceil(BLOCK));
         let volumes = Buffer::from_slice(device, "eikonal volumes", &[shared])?;
         let values = buffer("eikonal values", grid.len() as u64)?;
-        let asked = buffer("eikonal asked", blocks)?;
         let lights = buffer("eikonal lights", grid.len() as u64)?;
         let bindings = Bindings::new()
             .buffer("EikonalVolumes", &volumes)
             .buffer("EikonalValues", &values)
             .buffer("EikonalTops", &buffer("eikonal tops", columns.into())?)
             .buffer("EikonalSides", &buffer("eikonal sides", sides)?)
-            .buffer("EikonalAsked", &asked)
+            .buffer("EikonalAsked", &buffer("eikonal asked", blocks)?)
             .buffer("EikonalLights", &lights);
         let options = options.clone();
-        Ok(Volume { grid, foot, bindings, options, light, shared, volumes, values, asked, lights, offset, facets })
+        Ok(Volume { grid, foot, bindings, options, light, shared, volumes, values, lights, offset, facets })
     }
 
     /// Takes the volume to what the scene has become: the same light, and instances with the triangles they had. False where
@@ -187,15 +188,11 @@ impl Volume {
         Ok(true)
     }
 
-    /// Records the way from the scene's triangles, as they are then, to values in all cells.
+    /// Records the way from the scene's triangles, as they are then, to values and light in all cells.
     pub fn record(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         self.record_given(recorder, scene, kernels)?;
         self.record_wave(recorder, kernels)?;
-        self.record_light(recorder, scene, kernels)?;
-        let push = EikonalPush { volume: 0 };
-        let cells = self.grid.len() as u32;
-        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &[&self.bindings], &push, cells)?;
-        Ok(())
+        self.record_light(recorder, scene, kernels)
     }
 
     /// Records what is given next to the surface, marked as such.
@@ -226,19 +223,19 @@ impl Volume {
         kernels.solver.record(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
     }
 
-    /// Records the light that goes along a recorded wave whose marks are still there.
+    /// Takes the marks off a recorded wave and records the light that goes along it.
     pub fn record_light(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
-        recorder.pass("eikonal/clear_light")?.fill(&self.lights, 0).fill(&self.asked, 1);
-        let mut pass = recorder.pass("eikonal/light")?;
-        for facets in &self.facets {
-            pass.dispatch(&kernels.light, &bindings, facets, facets.triangles * facets.parts)?;
-        }
-        drop(pass);
-        kernels.solver.record_flow(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+        let cells = self.grid.len() as u32;
+        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &bindings, &EikonalPush { volume: 0 }, cells)?;
+        let [u, v, planes] = self.shared.grid.cells;
+        let push = LightPush { volume: 0, runs: u.div_ceil(RUN) };
+        recorder.pass("eikonal/light")?.dispatch(&kernels.light, &bindings, &push, push.runs * v * planes)?;
+        Ok(())
     }
 
-    /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2. Media take nothing.
+    /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2; less than 0 where it is not known.
+    /// Of the quad from a cell to the next along both columns' axes, u and v of [`EikonalGrid`]. Media take nothing.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
         self.lights.read(self.grid.len())
     }
