@@ -7,6 +7,7 @@ layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
 
 #include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/blocks.glsl"
+#include "technique/eikonal/fold.glsl"
 
 layout(push_constant) uniform SweepPush {
     EikonalSweep sweep; // its turn is the plane
@@ -15,8 +16,6 @@ layout(push_constant) uniform SweepPush {
 // Places that are tried for a cell, each from the slope at the one before: what is left falls by about the part that a cell is
 // of the way to the focus, and the value does not change to the first order.
 const int ROUNDS = 2;
-// Bends on both sides of a place that differ by more are a fold's, and the lesser is taken.
-const float FOLD = 4.0;
 
 float before_at(int cell) {
     return min(abs(uintBitsToFloat(values[cell])), UNKNOWN);
@@ -50,7 +49,7 @@ float extended_before_at(ivec2 column) {
 vec2 between(vec4 f, float part) {
     vec2 bend = vec2(f.x - 2.0 * f.y + f.z, f.y - 2.0 * f.z + f.w);
     vec2 size = abs(bend);
-    if (max(size.x, size.y) > FOLD * min(size.x, size.y)) bend = vec2(size.x < size.y ? bend.x : bend.y);
+    if (is_fold(min(size.x, size.y), max(size.x, size.y), push.sweep.step)) bend = vec2(size.x < size.y ? bend.x : bend.y);
     float near = ((2.0 - part) * bend.x + (1.0 + part) * bend.y) / 3.0;
     float turn = (bend.y - bend.x) / 3.0;
     float value = f.y + part * (f.z - f.y) + 0.5 * part * (part - 1.0) * near;
