@@ -15,5 +15,6 @@ pub mod shell;
 mod trace_file;
 #[cfg(feature = "viewer")]
 pub mod view;
+pub mod volume;
 
 pub use error::PictureError;

@@ -37,7 +37,7 @@ float flat_light(EikonalVolume volume, Light light, Surface s, vec3 to_light, fl
 vec3 caustic_irradiance(VisiblePoint point) {
     EikonalVolume volume = volumes[0];
     if (point.instance == NO_INSTANCE || point.medium != volume.wave_medium) return vec3(0.0);
-    LookUp found = look_up(volume.grid, point.position);
+    LookUp found = look_up(volume.grid, point.position, push.mapped == 0u);
     float cosine = dot(-found.way, unpack_direction(point.normal));
     if (!(found.light > 0.0) || cosine <= 0.0 || dot(-found.way, unpack_direction(point.geometric)) <= 0.0) return vec3(0.0);
 

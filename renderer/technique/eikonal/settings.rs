@@ -1,7 +1,9 @@
 //! What `--set eikonal.key=value` and a scene file's `[technique.eikonal]` can say.
 
+use std::path::PathBuf;
+
 use super::marching::Order;
-use super::{Scheme, SolverOptions, VolumeOptions};
+use super::{Intensity, Marching, Scheme, SolverOptions, Spread, VolumeOptions};
 use crate::technique::{Setting, SettingKind, Settings};
 
 /// All of them.
@@ -23,18 +25,85 @@ pub const SETTINGS: &[Setting] = &[
     },
     Setting {
         key: "solver",
-        kind: SettingKind::Choice(&["planes", "sweeps", "sweeps-first"]),
+        kind: SettingKind::Choice(&["planes", "sweeps", "marching"]),
         default: "planes",
         unit: "",
         help: "How optical paths are found. planes: each plane of cells from the one before, along light's way between cells. \
-               sweeps: by differences of second order against the wave. sweeps-first: of first order, as in the paper",
+               sweeps: by differences against the wave. marching: as in the paper, on the host, for comparison",
+    },
+    Setting {
+        key: "order",
+        kind: SettingKind::Choice(&["second", "first"]),
+        default: "second",
+        unit: "",
+        help: "With solver=sweeps and marching, order of the differences; the paper's is the first",
+    },
+    Setting {
+        key: "start",
+        kind: SettingKind::Choice(&["exact", "snapped"]),
+        default: "exact",
+        unit: "",
+        help: "With solver=marching, what is known next to the surface: exact paths, or as in the paper those from vertices to \
+               the middles of their cells",
     },
     Setting {
         key: "sides",
-        kind: SettingKind::Choice(&["linear", "open"]),
+        kind: SettingKind::Choice(&["linear", "printed", "open"]),
         default: "linear",
         unit: "",
-        help: "What comes in by the volume's sides: a wave as if the surface went on linearly, or nothing",
+        help: "What comes in by the volume's sides. linear: a wave as if the surface went on linearly. printed: the same by the \
+               paper's Algorithm 2, which is all that solver=marching has of it. open: nothing",
+    },
+    Setting {
+        key: "intensity",
+        kind: SettingKind::Choice(&["transport", "laplacian"]),
+        default: "transport",
+        unit: "",
+        help: "How bright a place is. transport: irradiance, of light that goes along the wave. laplacian: as in the paper, by \
+               how the wave is bent, over what flat water would let through",
+    },
+    Setting {
+        key: "base",
+        kind: SettingKind::Number { min: 0.0, max: 1000.0 },
+        default: "1",
+        unit: "",
+        help: "With intensity=laplacian, brightness where the wave is not hollow",
+    },
+    Setting {
+        key: "gain",
+        kind: SettingKind::Number { min: 0.0, max: 100_000.0 },
+        default: "20",
+        unit: "",
+        help: "With intensity=laplacian, brightness for a turn of the front by a radian in a cell (a of section 4.1)",
+    },
+    Setting {
+        key: "power",
+        kind: SettingKind::Number { min: 0.1, max: 10.0 },
+        default: "1",
+        unit: "",
+        help: "With intensity=laplacian, power of that turn (b of section 4.1)",
+    },
+    Setting {
+        key: "dissipation",
+        kind: SettingKind::Choice(&["off", "waves"]),
+        default: "off",
+        unit: "",
+        help: "What becomes of light that has gone together: it stays, or below a depth waves in each plane part it again \
+               (section 3.3)",
+    },
+    Setting {
+        key: "threshold",
+        kind: SettingKind::Number { min: 0.0, max: 100_000.0 },
+        default: "0",
+        unit: "m",
+        help: "With dissipation=waves, that depth below the surface's middle height; 0: where strong hollows of it focus",
+    },
+    Setting {
+        key: "slope",
+        kind: SettingKind::Number { min: 0.0, max: 1.0 },
+        default: "0",
+        unit: "",
+        help: "With dissipation=waves, metres across that light goes for a metre down; 0: as the surface turns it in the mean",
     },
     Setting {
         key: "shadows",
@@ -44,22 +113,75 @@ pub const SETTINGS: &[Setting] = &[
         help: "Whether things under the surface and above it shade what is behind them: by a ray back along the wave and on to \
                the light, or not, as in the paper",
     },
+    Setting {
+        key: "read",
+        kind: SettingKind::File,
+        default: NO_FILE,
+        unit: "",
+        help: "A file of volumes that 'nephroid volume' wrote of the same scene, in place of solving for any; what moves is not \
+               followed. none: no file",
+    },
 ];
+
+const NO_FILE: &str = "none";
+
+/// Where volumes are read from, if they are.
+pub(super) fn file(settings: &Settings) -> Option<PathBuf> {
+    Some(settings.choice("read")).filter(|&path| path != NO_FILE).map(PathBuf::from)
+}
 
 /// What a technique's volumes are made by.
 pub(super) fn volume_options(settings: &Settings) -> VolumeOptions {
+    let order = if settings.choice("order") == "first" { Order::First } else { Order::Second };
+    let sides = settings.choice("sides");
     VolumeOptions {
         resolution: settings.integer("resolution"),
         infinite: settings.choice("index") == "infinite",
         solver: SolverOptions {
             scheme: match settings.choice("solver") {
-                "sweeps" => Scheme::Sweeps(Order::Second),
-                "sweeps-first" => Scheme::Sweeps(Order::First),
+                "sweeps" => Scheme::Sweeps(order),
+                "marching" => {
+                    let snapped = settings.choice("start") == "snapped";
+                    Scheme::Marching(Marching { order, snapped, sides: sides != "open" })
+                }
                 _ => Scheme::Planes,
             },
-            linear: settings.choice("sides") == "linear",
+            linear: sides == "linear",
             ..SolverOptions::default()
         },
+        intensity: match settings.choice("intensity") {
+            "laplacian" => Intensity::Laplacian {
+                base: settings.number("base"),
+                gain: settings.number("gain"),
+                power: settings.number("power"),
+            },
+            _ => Intensity::Transport,
+        },
+        spread: (settings.choice("dissipation") == "waves")
+            .then(|| Spread { threshold: settings.number("threshold").into(), slope: settings.number("slope").into() }),
         ..VolumeOptions::default()
     }
+}
+
+/// What `settings` say that has no effect.
+pub(super) fn useless(settings: &Settings) -> Vec<String> {
+    let solver = settings.choice("solver");
+    let mut said = Vec::new();
+    let mut only = |changed: bool, what: &str, with: &str| {
+        if changed {
+            said.push(format!("eikonal.{what} is for eikonal.{with}, and has no effect"));
+        }
+    };
+    only(settings.choice("order") == "first" && solver == "planes", "order", "solver=sweeps and marching");
+    only(settings.choice("start") == "snapped" && solver != "marching", "start", "solver=marching");
+    only(settings.choice("sides") == "printed" && solver != "marching", "sides=printed", "solver=marching");
+    let laplacian = settings.choice("intensity") == "laplacian";
+    let of_laplacian = [("base", 1.0), ("gain", 20.0), ("power", 1.0)];
+    for (key, default) in of_laplacian {
+        only(!laplacian && settings.number(key) != default, key, "intensity=laplacian");
+    }
+    for key in ["threshold", "slope"] {
+        only(settings.choice("dissipation") == "off" && settings.number(key) != 0.0, key, "dissipation=waves");
+    }
+    said
 }
