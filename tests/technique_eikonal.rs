@@ -111,7 +111,7 @@ impl Rig {
         values.into_iter().zip(given).map(start).collect()
     }
 
-    /// The wave, the marks still there.
+    /// The wave.
     fn wave(&self) -> Vec<f64> {
         self.run(|recorder| self.volume.record_given(recorder, &self.scene.bindings, &self.kernels).unwrap());
         self.run(|recorder| self.volume.record_wave(recorder, &self.kernels).unwrap());

@@ -1,5 +1,5 @@
-// What a volume says of a place between its cells. The kernel that includes this declares the buffers `values` (without marks)
-// and `cell_lights`.
+// What a volume says of a place between its cells. The kernel that includes this declares the buffers `values` and
+// `cell_lights`.
 #include "technique/eikonal/slopes.glsl"
 
 struct LookUp {

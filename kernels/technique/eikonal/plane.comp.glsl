@@ -8,6 +8,7 @@ layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
 #include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/blocks.glsl"
 #include "technique/eikonal/fold.glsl"
+#include "technique/eikonal/values.glsl"
 
 layout(push_constant) uniform SweepPush {
     EikonalSweep sweep; // its turn is the plane
@@ -18,7 +19,7 @@ layout(push_constant) uniform SweepPush {
 const int ROUNDS = 2;
 
 float before_at(int cell) {
-    return min(abs(uintBitsToFloat(values[cell])), UNKNOWN);
+    return min(value_at(cell), UNKNOWN);
 }
 
 float before_at(ivec2 column) {
@@ -116,8 +117,7 @@ void main() {
     if (index >= sweep.cells.x * sweep.cells.y) return;
     ivec2 column = column_of(index, sweep.cells.x);
     int cell = sweep.first + column.x * sweep.strides.x + column.y * sweep.strides.y + int(sweep.turn) * sweep.strides.z;
-    uint known = values[cell];
-    if ((known & GIVEN) != 0u || known == floatBitsToUint(OUTSIDE)) return;
+    if (!open_cell(values[cell])) return;
 
     ivec2 last = ivec2(sweep.cells.xy) - 1;
     // Where the plane before says that light comes from, unless it comes from a cell further off than those around.

@@ -71,7 +71,6 @@ pub struct Kernels {
     light: Kernel,
     curve: Kernel,
     spread: Kernel,
-    open: Kernel,
     pub solver: Solver,
 }
 
@@ -88,7 +87,6 @@ impl Kernels {
             light: kernel("eikonal/light")?,
             curve: kernel("eikonal/curve")?,
             spread: kernel("eikonal/spread")?,
-            open: kernel("eikonal/open")?,
             solver: Solver::new(device)?,
         })
     }
@@ -287,11 +285,10 @@ impl Volume {
         kernels.solver.record(recorder, &self.bindings, &self.plan.shared.grid, self.plan.foot, &self.options.solver)
     }
 
-    /// Takes the marks off a recorded wave and records how bright it makes the cells.
+    /// Records how bright a recorded wave makes the cells.
     pub fn record_light(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
         let cells = self.plan.grid.len() as u32;
-        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &bindings, &EikonalPush { volume: 0 }, cells)?;
         match self.options.intensity {
             Intensity::Transport => {
                 let [u, v, planes] = self.plan.shared.grid.cells;
@@ -325,13 +322,13 @@ impl Volume {
         self.lights.read(self.plan.grid.len())
     }
 
-    /// How well a recorded wave has settled; only before the marks are taken off, after [`record_wave`](Self::record_wave).
+    /// How well a recorded wave has settled.
     pub fn check(&self, device: &Device, kernels: &Kernels) -> Result<Settled, GpuError> {
         kernels.solver.check(device, &self.bindings, &self.plan.shared.grid, self.plan.foot, &self.options.solver)
     }
 
     /// Optical paths from the light, metres times index (with an infinite index: metres from the surface); infinite where no
-    /// wave came, NaN outside of the medium. Whether a value was given is told apart where the marks are still there.
+    /// wave came, NaN outside of the medium. And which values were given, not found.
     pub fn read(&self) -> Result<(Vec<f64>, Vec<bool>), GpuError> {
         let values: Vec<f32> = self.values.read(self.plan.grid.len())?;
         let path = |value: f32| match value.abs() {
