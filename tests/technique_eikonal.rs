@@ -7,6 +7,8 @@ mod common;
 mod light;
 #[path = "technique_eikonal/solver.rs"]
 mod solver;
+#[path = "technique_eikonal/wave.rs"]
+mod wave;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,6 +36,11 @@ fn main() -> ExitCode {
         case("flat_water_is_lit_evenly", light::flat),
         case("a_lamp_lights_flat_water", light::lamp),
         case("a_cap_gathers_light", light::cap),
+        case("a_wave_under_flat_water_is_even", wave::flat),
+        case("a_wave_goes_a_cell_in_a_step", wave::speed),
+        case("a_wave_through_a_cap_has_its_most_near_the_focus", wave::focus),
+        case("a_signed_sum_has_no_most_below_the_surface", wave::signed),
+        case("equal_scenes_give_equal_sums", wave::equal_bits),
     ];
     common::run(cases.leak())
 }

@@ -7,7 +7,9 @@ pub mod marching;
 pub mod path;
 pub mod solver;
 pub mod volume;
+pub mod wave;
 
 pub use grid::Grid;
 pub use solver::{Settled, Solver, SolverOptions};
 pub use volume::{Kernels, Volume, VolumeOptions};
+pub use wave::{Start, Sum, Wave, WaveKernels, WaveOptions};

@@ -158,10 +158,7 @@ impl Volume {
         self.record_given(recorder, scene, kernels)?;
         self.record_wave(recorder, kernels)?;
         self.record_light(recorder, scene, kernels)?;
-        let push = EikonalPush { volume: 0 };
-        let cells = self.grid.len() as u32;
-        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &[&self.bindings], &push, cells)?;
-        Ok(())
+        self.record_open(recorder, kernels)
     }
 
     /// Records what is given next to the surface, marked as such.
@@ -194,14 +191,37 @@ impl Volume {
 
     /// Records the light that goes along a recorded wave whose marks are still there.
     pub fn record_light(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
+        self.record_light_below(recorder, scene, kernels)?;
+        kernels.solver.record_flow(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+    }
+
+    /// Records the light just below the surface in cells that are given; there is none in others yet.
+    pub(super) fn record_light_below(
+        &self,
+        recorder: &mut Recorder,
+        scene: &Bindings,
+        kernels: &Kernels,
+    ) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
         recorder.pass("eikonal/clear_light")?.fill(&self.lights, 0).fill(&self.asked, 1);
         let mut pass = recorder.pass("eikonal/light")?;
         for facets in &self.facets {
             pass.dispatch(&kernels.light, &bindings, facets, facets.triangles * facets.parts)?;
         }
-        drop(pass);
-        kernels.solver.record_flow(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+        Ok(())
+    }
+
+    /// Records the end: marks are taken off what was given.
+    pub(super) fn record_open(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
+        let push = EikonalPush { volume: 0 };
+        let cells = self.grid.len() as u32;
+        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &[&self.bindings], &push, cells)?;
+        Ok(())
+    }
+
+    /// Grid and light as kernels see them.
+    pub(super) fn shared(&self) -> &EikonalVolume {
+        &self.shared
     }
 
     /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2. Media take nothing.
