@@ -9,6 +9,8 @@ mod light;
 mod picture;
 #[path = "technique_eikonal/solver.rs"]
 mod solver;
+#[path = "technique_eikonal/wave.rs"]
+mod wave;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -48,6 +50,11 @@ fn main() -> ExitCode {
         case("tracing_tiers_agree", picture::tiers),
         case("a_file_gives_the_same_picture", picture::stored),
         case("a_file_of_another_scene_is_refused", picture::refused),
+        case("a_wave_under_flat_water_is_even", wave::flat),
+        case("a_wave_goes_a_cell_in_a_step", wave::speed),
+        case("a_wave_through_a_cap_has_its_most_near_the_focus", wave::focus),
+        case("a_signed_sum_has_no_most_below_the_surface", wave::signed),
+        case("equal_scenes_give_equal_sums", wave::equal_bits),
     ];
     common::run(cases.leak())
 }

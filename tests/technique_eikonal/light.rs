@@ -40,7 +40,7 @@ fn lit(rig: &Rig) -> Vec<f32> {
 }
 
 /// Of parallel light on flat water, the part that is just below, across its way.
-fn below(cos_in: f64, index: f64) -> f64 {
+pub fn below(cos_in: f64, index: f64) -> f64 {
     let cos_out = (1.0 - (1.0 - cos_in * cos_in) / (index * index)).sqrt();
     let perpendicular = ((cos_in - index * cos_out) / (cos_in + index * cos_out)).powi(2);
     let parallel = ((index * cos_in - cos_out) / (index * cos_in + cos_out)).powi(2);

@@ -148,7 +148,7 @@ crate::gpu_struct! {
         pub light: u32,
         pub first: u32,
         pub shadows: u32,
-        pub mapped: u32,
+        pub unit: u32,
     }
 }
 

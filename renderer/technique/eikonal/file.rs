@@ -45,8 +45,6 @@ pub struct VolumeHeader {
     pub backward: bool,
     /// Metres times index that `phi` lacks.
     pub offset: f64,
-    /// `irradiance`: over what the light sends, between a cell and the next along both of the first axes. `factor`: of what flat
-    /// water would let through, in cells.
     pub unit: LightUnit,
 }
 
@@ -54,7 +52,12 @@ pub struct VolumeHeader {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LightUnit {
+    /// Irradiance across the light's way over what the light sends, media taking nothing: over W/sr, in 1/m2, or for a
+    /// directional light over W/m2. Of the quad from a cell to the next along both axes across the light's way.
     Irradiance,
+    /// The same in cells' middles.
+    Cells,
+    /// A factor of what flat water would let through, in cells' middles.
     Factor,
 }
 

@@ -5,6 +5,7 @@ pub mod device;
 pub mod file;
 pub mod grid;
 mod host;
+mod lit;
 pub mod marching;
 pub mod path;
 mod plan;
@@ -12,11 +13,13 @@ mod settings;
 pub mod solver;
 mod surface;
 pub mod volume;
+pub mod wave;
 
 pub use grid::Grid;
 pub use settings::SETTINGS;
 pub use solver::{Marching, Scheme, Settled, Solver, SolverOptions};
 pub use volume::{Intensity, Kernels, Spread, Volume, VolumeOptions};
+pub use wave::{Start, Sum, Wave, WaveKernels, WaveOptions};
 
 use std::path::{Path, PathBuf};
 
@@ -27,14 +30,15 @@ use crate::gpu_scene::GpuScene;
 use crate::scene::Scene;
 use device::GatherPush;
 use file::{StoredVolume, VolumeFileError};
+use lit::{LitVolume, Stages};
 
 /// The technique's state for one band.
 pub struct Eikonal {
     options: VolumeOptions,
-    kernels: Kernels,
+    stages: Stages,
     gather: Kernel,
     /// One a light, where its light gets through a surface to anything.
-    volumes: Vec<Option<Volume>>,
+    volumes: Vec<Option<LitVolume>>,
     shadows: bool,
     /// What of the settings has no effect, in sentences.
     useless: Vec<String>,
@@ -48,11 +52,11 @@ impl Eikonal {
     /// Fails where a volume does not fit the device, or a file of volumes is none or of another scene.
     pub fn new(settings: &Settings, context: &Context<'_>) -> Result<Self, CreateError> {
         let options = settings::volume_options(settings);
-        let kernels = Kernels::new(context.device)?;
+        let stages = Stages::new(context.device, &options)?;
         let mut made = Eikonal {
             volumes: context.scene.lights.iter().map(|_| None).collect(),
             options,
-            kernels,
+            stages,
             gather: Kernel::new(context.device, "eikonal/gather", context.tracer.backend.variant())?,
             shadows: settings.choice("shadows") == "rays",
             useless: settings::useless(settings),
@@ -70,7 +74,7 @@ impl Eikonal {
         for stored in file::read(path)? {
             let volume = Volume::from_stored(context.device, context.scene, &stored)?
                 .map_err(|reason| VolumeFileError::OtherScene { path: path.to_owned(), reason })?;
-            self.volumes[stored.header.light] = Some(volume);
+            self.volumes[stored.header.light] = Some(LitVolume::stored(volume));
         }
         self.stored = Some(path.to_owned());
         Ok(())
@@ -78,7 +82,7 @@ impl Eikonal {
 
     fn record_volumes(&mut self, frame: &Frame, recorder: &mut Recorder) -> Result<(), GpuError> {
         for volume in self.volumes.iter().flatten() {
-            volume.record(recorder, &frame.bindings, &self.kernels)?;
+            volume.record(recorder, &frame.bindings, &self.stages)?;
         }
         self.current = true;
         Ok(())
@@ -86,7 +90,7 @@ impl Eikonal {
 
     /// Volumes and the lights that they are of.
     fn lit(&self) -> impl Iterator<Item = (u32, &Volume)> {
-        (0u32..).zip(&self.volumes).filter_map(|(light, volume)| Some((light, volume.as_ref()?)))
+        (0u32..).zip(&self.volumes).filter_map(|(light, lit)| Some((light, &lit.as_ref()?.volume)))
     }
 
     /// Makes volumes follow the scene.
@@ -95,13 +99,12 @@ impl Eikonal {
             return Ok(());
         }
         let Context { device, scene, frame, .. } = context;
+        let scene = (*scene, &frame.bindings);
         for (light, volume) in self.volumes.iter_mut().enumerate() {
-            let there = volume.as_mut().map_or(Ok(false), |volume| volume.update(device, scene))?;
+            let (options, stages) = (&self.options, &self.stages);
+            let there = volume.as_mut().map_or(Ok(false), |lit| lit.update(device, scene, options, stages))?;
             if !there {
-                *volume = Volume::new(device, scene, light, &self.options)?;
-            }
-            if let Some(volume) = volume {
-                volume.solve_on_host(device, scene, &frame.bindings, &self.kernels)?;
+                *volume = LitVolume::new(device, scene, light, options, stages)?;
             }
         }
         self.current = false;
@@ -123,7 +126,7 @@ impl Technique for Eikonal {
                 light,
                 first: u32::from(at == 0),
                 shadows: u32::from(self.shadows),
-                mapped: u32::from(volume.is_mapped()),
+                unit: volume.unit() as u32,
             };
             let bindings = [&frame.bindings, &volume.bindings];
             recorder.pass("eikonal/gather")?.dispatch(&self.gather, &bindings, &push, frame.slots())?;
@@ -161,13 +164,13 @@ pub fn precompute(
     settings: &Settings,
 ) -> Result<Vec<StoredVolume>, GpuError> {
     let options = settings::volume_options(settings);
-    let kernels = Kernels::new(device)?;
+    let stages = Stages::new(device, &options)?;
     let mut stored = Vec::new();
     for light in 0..scene.lights.len() {
-        let Some(volume) = Volume::new(device, scene, light, &options)? else { continue };
-        volume.solve_on_host(device, scene, &gpu_scene.bindings, &kernels)?;
+        let placed = (scene, &gpu_scene.bindings);
+        let Some(volume) = LitVolume::new(device, placed, light, &options, &stages)? else { continue };
         let mut recorder = Recorder::new(device)?;
-        volume.record(&mut recorder, &gpu_scene.bindings, &kernels)?;
+        volume.record(&mut recorder, &gpu_scene.bindings, &stages)?;
         recorder.submit()?;
         stored.push(volume.store()?);
     }

@@ -69,7 +69,7 @@ impl Plan {
             band: BAND,
             padding0: 0,
         };
-        let dissipation = options.spread.map(|spread| {
+        let dissipation = options.spread.filter(|_| options.wave.is_none()).map(|spread| {
             let along = planes.axes[2] as usize;
             let bend = 1.0 - source.index() / index(surface.wave_medium);
             let (slope, turn) = surface.roughness(scene);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::marching::Order;
-use super::{Intensity, Marching, Scheme, SolverOptions, Spread, VolumeOptions};
+use super::{Intensity, Marching, Scheme, SolverOptions, Spread, Start, Sum, VolumeOptions, WaveOptions};
 use crate::technique::{Setting, SettingKind, Settings};
 
 /// All of them.
@@ -39,14 +39,6 @@ pub const SETTINGS: &[Setting] = &[
         help: "With solver=sweeps and marching, order of the differences; the paper's is the first",
     },
     Setting {
-        key: "start",
-        kind: SettingKind::Choice(&["exact", "snapped"]),
-        default: "exact",
-        unit: "",
-        help: "With solver=marching, what is known next to the surface: exact paths, or as in the paper those from vertices to \
-               the middles of their cells",
-    },
-    Setting {
         key: "sides",
         kind: SettingKind::Choice(&["linear", "printed", "open"]),
         default: "linear",
@@ -56,11 +48,12 @@ pub const SETTINGS: &[Setting] = &[
     },
     Setting {
         key: "intensity",
-        kind: SettingKind::Choice(&["transport", "laplacian"]),
+        kind: SettingKind::Choice(&["transport", "laplacian", "wave"]),
         default: "transport",
         unit: "",
         help: "How bright a place is. transport: irradiance, of light that goes along the wave. laplacian: as in the paper, by \
-               how the wave is bent, over what flat water would let through",
+               how the wave is bent, over what flat water would let through. wave: by what a scalar wave leaves that goes through the \
+               volume (section 4), which passes through focuses, and is as sharp as cells are",
     },
     Setting {
         key: "base",
@@ -72,16 +65,41 @@ pub const SETTINGS: &[Setting] = &[
     Setting {
         key: "gain",
         kind: SettingKind::Number { min: 0.0, max: 100_000.0 },
-        default: "20",
+        default: "0",
         unit: "",
-        help: "With intensity=laplacian, brightness for a turn of the front by a radian in a cell (a of section 4.1)",
+        help: "With intensity=laplacian, brightness for a turn of the front by a radian in a cell; with wave, of what flat water \
+               has (a of section 4.1); 0: 20 and 1",
     },
     Setting {
         key: "power",
-        kind: SettingKind::Number { min: 0.1, max: 10.0 },
-        default: "1",
+        kind: SettingKind::Number { min: 0.0, max: 10.0 },
+        default: "0",
         unit: "",
-        help: "With intensity=laplacian, power of that turn (b of section 4.1)",
+        help: "With intensity=laplacian, power of that turn; with wave, of the sum over flat water's (b of section 4.1); 0: 1, and \
+               2 for sums that go by the root of light",
+    },
+    Setting {
+        key: "start",
+        kind: SettingKind::Choice(&["light", "printed"]),
+        default: "light",
+        unit: "",
+        help: "How waves begin. light: next to the surface as the light's paths say, of waves in time with it. printed: of \
+               solver=marching with vertices snapped to cells, of waves all at once in the surface's cells",
+    },
+    Setting {
+        key: "sum",
+        kind: SettingKind::Choice(&["squared", "absolute", "signed"]),
+        default: "squared",
+        unit: "",
+        help: "With intensity=wave, what of it is summed up: its square, which goes by light, or as in the paper, whose sum of signed \
+               values has no brightest place below the surface",
+    },
+    Setting {
+        key: "border",
+        kind: SettingKind::Integer { min: 0, max: 256 },
+        default: "8",
+        unit: "cells",
+        help: "With intensity=wave, how wide the border is in which it is damped",
     },
     Setting {
         key: "dissipation",
@@ -141,7 +159,7 @@ pub(super) fn volume_options(settings: &Settings) -> VolumeOptions {
             scheme: match settings.choice("solver") {
                 "sweeps" => Scheme::Sweeps(order),
                 "marching" => {
-                    let snapped = settings.choice("start") == "snapped";
+                    let snapped = settings.choice("start") == "printed";
                     Scheme::Marching(Marching { order, snapped, sides: sides != "open" })
                 }
                 _ => Scheme::Planes,
@@ -152,15 +170,36 @@ pub(super) fn volume_options(settings: &Settings) -> VolumeOptions {
         intensity: match settings.choice("intensity") {
             "laplacian" => Intensity::Laplacian {
                 base: settings.number("base"),
-                gain: settings.number("gain"),
-                power: settings.number("power"),
+                gain: unless_zero(settings.number("gain"), 20.0),
+                power: unless_zero(settings.number("power"), 1.0),
             },
             _ => Intensity::Transport,
         },
         spread: (settings.choice("dissipation") == "waves")
             .then(|| Spread { threshold: settings.number("threshold").into(), slope: settings.number("slope").into() }),
+        wave: (settings.choice("intensity") == "wave").then(|| wave_options(settings)),
         ..VolumeOptions::default()
     }
+}
+
+fn wave_options(settings: &Settings) -> WaveOptions {
+    let sum = match settings.choice("sum") {
+        "absolute" => Sum::Absolute,
+        "signed" => Sum::Signed,
+        _ => Sum::Squared,
+    };
+    WaveOptions {
+        start: if settings.choice("start") == "printed" { Start::AtOnce } else { Start::InTime },
+        sum,
+        border: settings.integer("border"),
+        gain: unless_zero(settings.number("gain"), 1.0).into(),
+        power: unless_zero(settings.number("power"), if sum == Sum::Squared { 1.0 } else { 2.0 }).into(),
+        ..WaveOptions::default()
+    }
+}
+
+fn unless_zero(value: f32, otherwise: f32) -> f32 {
+    if value > 0.0 { value } else { otherwise }
 }
 
 /// What `settings` say that has no effect.
@@ -173,13 +212,17 @@ pub(super) fn useless(settings: &Settings) -> Vec<String> {
         }
     };
     only(settings.choice("order") == "first" && solver == "planes", "order", "solver=sweeps and marching");
-    only(settings.choice("start") == "snapped" && solver != "marching", "start", "solver=marching");
+    let intensity = settings.choice("intensity");
+    let has_start = solver == "marching" || intensity == "wave";
+    only(settings.choice("start") == "printed" && !has_start, "start=printed", "solver=marching and intensity=wave");
     only(settings.choice("sides") == "printed" && solver != "marching", "sides=printed", "solver=marching");
-    let laplacian = settings.choice("intensity") == "laplacian";
-    let of_laplacian = [("base", 1.0), ("gain", 20.0), ("power", 1.0)];
-    for (key, default) in of_laplacian {
-        only(!laplacian && settings.number(key) != default, key, "intensity=laplacian");
+    only(intensity != "laplacian" && settings.number("base") != 1.0, "base", "intensity=laplacian");
+    for key in ["gain", "power"] {
+        only(intensity == "transport" && settings.number(key) != 0.0, key, "intensity=laplacian and wave");
     }
+    only(intensity != "wave" && settings.choice("sum") != "squared", "sum", "intensity=wave");
+    only(intensity != "wave" && settings.integer("border") != 8, "border", "intensity=wave");
+    only(intensity == "wave" && settings.choice("dissipation") != "off", "dissipation", "intensity=transport and laplacian");
     for key in ["threshold", "slope"] {
         only(settings.choice("dissipation") == "off" && settings.number(key) != 0.0, key, "dissipation=waves");
     }

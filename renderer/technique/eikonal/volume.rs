@@ -1,11 +1,12 @@
 //! One light's volume: where it is, what is given next to the surface, and what the wave makes of it.
 
 use super::Grid;
-use super::device::{CurvePush, EikonalPush, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
+use super::device::{CurvePush, EikonalVolume, EikonalPush, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
 use super::file::{LightUnit, StoredVolume, VolumeHeader};
 use super::host;
 use super::plan::{Dissipation, Plan};
 use super::solver::{BLOCK, Scheme, Settled, Solver, SolverOptions};
+use super::wave::WaveOptions;
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Groups, Kernel, Recorder};
 use crate::scene::Scene;
 
@@ -22,6 +23,8 @@ pub struct VolumeOptions {
     pub intensity: Intensity,
     /// Whether light spreads in planes below a depth.
     pub spread: Option<Spread>,
+    /// A [`Wave`](super::Wave) is let through instead, which [`Wave::record`](super::Wave::record) does.
+    pub wave: Option<WaveOptions>,
 }
 
 /// How bright a cell is.
@@ -52,6 +55,7 @@ impl Default for VolumeOptions {
             solver: SolverOptions::default(),
             intensity: Intensity::Transport,
             spread: None,
+            wave: None,
         }
     }
 }
@@ -138,6 +142,7 @@ impl Volume {
             .buffer("EikonalLights", &lights)
             .buffer("EikonalSpread", &spread);
         let unit = match options.intensity {
+            _ if options.wave.is_some() => LightUnit::Cells,
             Intensity::Transport => LightUnit::Irradiance,
             Intensity::Laplacian { .. } => LightUnit::Factor,
         };
@@ -204,9 +209,9 @@ impl Volume {
         &self.plan.grid
     }
 
-    /// Whether [`read_light`](Self::read_light) has factors of what flat water would let through instead of irradiance.
-    pub fn is_mapped(&self) -> bool {
-        self.unit == LightUnit::Factor
+    /// What [`read_light`](Self::read_light) has.
+    pub fn unit(&self) -> LightUnit {
+        self.unit
     }
 
     /// Takes the volume to what the scene has become: the same light, and instances with the triangles they had. False where
@@ -303,6 +308,11 @@ impl Volume {
         self.record_spread(recorder, kernels)
     }
 
+    /// Grid and light as kernels see them.
+    pub(super) fn shared(&self) -> &EikonalVolume {
+        &self.plan.shared
+    }
+
     fn record_spread(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
         let Some(Dissipation { first, slope }) = self.plan.dissipation else { return Ok(()) };
         let below = self.plan.shared.grid.cells[2] as f32 - 1.0 - first;
@@ -314,10 +324,7 @@ impl Volume {
         Ok(())
     }
 
-    /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2, media taking nothing;
-    /// of the quad from a cell to the next along both axes across the planes, u and v of
-    /// [`EikonalGrid`](super::device::EikonalGrid). Or, [mapped](Self::is_mapped), a factor, of cells. Less than 0 where it is not
-    /// known.
+    /// Light of all cells, in the volume's [`unit`](Self::unit); less than 0 where it is not known.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
         self.lights.read(self.plan.grid.len())
     }
