@@ -18,8 +18,8 @@ struct WaveGrid {
 };
 
 struct WaveBlock {
-    uint even;      // the turn, if even, that this block is to be stepped in
-    uint odd;
+    uint even;      // the last turn of even number that this block is to be stepped in
+    uint odd;       // of odd number
     uint driven;    // 4 where some of its cells are not simply stepped, else 0
     uint first;     // ~bits of the first time at which a wave comes in here; 0: none does
     uint last;      // bits of the last

@@ -222,7 +222,11 @@ pub(super) fn useless(settings: &Settings) -> Vec<String> {
     }
     only(intensity != "wave" && settings.choice("sum") != "squared", "sum", "intensity=wave");
     only(intensity != "wave" && settings.integer("border") != 8, "border", "intensity=wave");
-    only(intensity == "wave" && settings.choice("dissipation") != "off", "dissipation", "intensity=transport and laplacian");
+    only(
+        intensity == "wave" && settings.choice("dissipation") != "off",
+        "dissipation",
+        "intensity=transport and laplacian",
+    );
     for key in ["threshold", "slope"] {
         only(settings.choice("dissipation") == "off" && settings.number(key) != 0.0, key, "dissipation=waves");
     }

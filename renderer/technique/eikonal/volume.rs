@@ -1,7 +1,7 @@
 //! One light's volume: where it is, what is given next to the surface, and what the wave makes of it.
 
 use super::Grid;
-use super::device::{CurvePush, EikonalVolume, EikonalPush, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
+use super::device::{CurvePush, EikonalPush, EikonalVolume, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
 use super::file::{LightUnit, StoredVolume, VolumeHeader};
 use super::host;
 use super::plan::{Dissipation, Plan};

@@ -54,7 +54,7 @@ pub struct WaveOptions {
     /// give light for sums of squares and of absolute values.
     pub gain: f64,
     pub power: f64,
-    /// Of the pulse's height, what is no wave any more.
+    /// Of the pulse's height, what is no wave any more. Blocks of cells without a wave are left alone.
     pub quiet: f64,
     /// Instead of as many as the wave takes through the volume.
     pub steps: Option<u32>,
@@ -69,7 +69,7 @@ impl Default for WaveOptions {
             pulse: 1.0,
             gain: 1.0,
             power: 1.0,
-            quiet: 1e-2,
+            quiet: 5e-2,
             steps: None,
         }
     }
