@@ -3,7 +3,7 @@
 //! `cargo bench --bench eikonal` solves `scenes/pool.toml` in cubes of 64, 128 and 256 cells a side, like the paper's, and
 //! prints milliseconds by the clock and of the CPU. `--cells`, `--order`, `--scene`, `--repeat`, `--device`, `--marching yes`
 //! (fast marching too, with its differences) change that. `--part wave` measures the scalar wave instead, which is let go in time
-//! with the light, or with `--start at-once` as the paper does. Writes `target/bench/eikonal.json` or `eikonal_wave.json`.
+//! with the light, or with `--start at-once` as the paper does; `--pulse` is its width in cells. Writes `target/bench/eikonal.json` or `eikonal_wave.json`.
 
 #[path = "report/mod.rs"]
 mod report;
@@ -28,6 +28,7 @@ struct Options {
     repeat: u32,
     marching: bool,
     wave: Option<Start>,
+    pulse: f64,
     device: DeviceRequest,
 }
 
@@ -116,7 +117,7 @@ fn measure_wave(
     let volume = volume_of(options, scene, device, cells)?;
     let gpu_scene = GpuScene::new(device, scene)?;
     let (kernels, wave_kernels) = (Kernels::new(device)?, WaveKernels::new(device)?);
-    let wave = Wave::new(device, &volume, &WaveOptions { start, ..WaveOptions::default() })?;
+    let wave = Wave::new(device, &volume, &WaveOptions { start, pulse: options.pulse, ..WaveOptions::default() })?;
     let (mut before, mut through, mut cpu) = (f64::INFINITY, f64::INFINITY, 0.0);
     for _ in 0..options.repeat {
         let started = Instant::now();
@@ -187,6 +188,7 @@ fn options(arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn E
         repeat: 3,
         marching: false,
         wave: None,
+        pulse: WaveOptions::default().pulse,
         device: DeviceRequest::default(),
     };
     let mut arguments = arguments.filter(|argument| argument != "--bench");
@@ -200,6 +202,7 @@ fn options(arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn E
             "--marching" => options.marching = value == "yes",
             "--part" if value == "wave" => options.wave = options.wave.or(Some(Start::InTime)),
             "--start" if value == "at-once" => options.wave = Some(Start::AtOnce),
+            "--pulse" => options.pulse = value.parse()?,
             "--device" => options.device.device = Some(value),
             _ => return Err(format!("there is no option {name}").into()),
         }
