@@ -288,15 +288,23 @@ pub enum Groups<'a> {
 impl Groups<'_> {
     /// As many as `count` invocations take.
     pub fn of(kernel: &Kernel, count: u32) -> Self {
-        Groups::Count(count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)))
+        Groups::Count(groups_of(kernel, count))
     }
 
-    /// Along x and y, for kernels that find their index by `linear_index()`.
+    /// Along x and y, at least one, for kernels that find their index by `linear_index()`.
     pub fn folded(kernel: &Kernel, count: u32) -> [u32; 2] {
-        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)).max(1);
-        let x = groups.min(MAX_GROUPS_X);
-        [x, groups.div_ceil(x)]
+        fold(groups_of(kernel, count).max(1))
     }
+}
+
+fn groups_of(kernel: &Kernel, count: u32) -> u32 {
+    count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1))
+}
+
+/// Along x and y.
+fn fold(groups: u32) -> [u32; 2] {
+    let x = groups.min(MAX_GROUPS_X);
+    [x, groups.div_ceil(x.max(1))]
 }
 
 /// An open pass. It closes when dropped.
@@ -318,8 +326,20 @@ impl Pass<'_> {
         if matches!(groups, Groups::Count(0)) {
             return Ok(self);
         }
-        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        self.run(&groups);
+        self.start(kernel, bindings, bytemuck::bytes_of(push), &groups)?;
+        Ok(self)
+    }
+
+    /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
+    pub fn dispatch_indirect(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &impl bytemuck::NoUninit,
+        arguments: &Buffer,
+        offset: u64,
+    ) -> Result<&mut Self, GpuError> {
+        self.start(kernel, bindings, bytemuck::bytes_of(push), &Groups::From(arguments, offset))?;
         Ok(self)
     }
 
@@ -334,9 +354,7 @@ impl Pass<'_> {
     ) -> Result<&mut Self, GpuError> {
         let mut pushes = pushes.into_iter();
         let Some(first) = pushes.next() else { return Ok(self) };
-        let groups = self.check_groups(kernel, groups)?;
-        self.bind(kernel, bindings, bytemuck::bytes_of(&first))?;
-        self.run(&groups);
+        self.start(kernel, bindings, bytemuck::bytes_of(&first), &groups)?;
         for push in pushes {
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
             self.recorder.barrier(stage, vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
@@ -351,14 +369,28 @@ impl Pass<'_> {
         Ok(self)
     }
 
+    /// Binds what `kernel` wants and runs it.
+    fn start(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &[u8],
+        groups: &Groups<'_>,
+    ) -> Result<(), GpuError> {
+        self.hold_groups(kernel, groups)?;
+        self.bind(kernel, bindings, push)?;
+        self.run(groups);
+        Ok(())
+    }
+
     /// Runs what is bound.
     fn run(&self, groups: &Groups<'_>) {
         let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
         match *groups {
             // SAFETY: the pipeline and its descriptors are bound.
             Groups::Count(count) => unsafe {
-                let x = count.min(MAX_GROUPS_X);
-                raw.cmd_dispatch(commands, x, count.div_ceil(x.max(1)), 1);
+                let [x, y] = fold(count);
+                raw.cmd_dispatch(commands, x, y, 1);
             },
             // SAFETY: as above; the buffer was made for indirect use, and is held.
             Groups::From(arguments, offset) => unsafe {
@@ -367,9 +399,9 @@ impl Pass<'_> {
         }
     }
 
-    /// Makes sure that the groups can be run, and that there are some.
-    fn check_groups<'b>(&mut self, kernel: &Kernel, groups: Groups<'b>) -> Result<Groups<'b>, GpuError> {
-        if let Groups::From(arguments, offset) = groups {
+    /// Holds counts that lie in a buffer, and refuses them where they do not.
+    fn hold_groups(&mut self, kernel: &Kernel, groups: &Groups<'_>) -> Result<(), GpuError> {
+        if let Groups::From(arguments, offset) = *groups {
             if offset + 12 > arguments.size() || !offset.is_multiple_of(4) {
                 return Err(GpuError::Kernel {
                     kernel: kernel.name.clone(),
@@ -378,22 +410,7 @@ impl Pass<'_> {
             }
             self.hold(arguments);
         }
-        Ok(groups)
-    }
-
-    /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
-    pub fn dispatch_indirect(
-        &mut self,
-        kernel: &Kernel,
-        bindings: &[&Bindings],
-        push: &impl bytemuck::NoUninit,
-        arguments: &Buffer,
-        offset: u64,
-    ) -> Result<&mut Self, GpuError> {
-        let groups = self.check_groups(kernel, Groups::From(arguments, offset))?;
-        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        self.run(&groups);
-        Ok(self)
+        Ok(())
     }
 
     /// Sets every u32 of the buffer.
