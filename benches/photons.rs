@@ -1,15 +1,15 @@
 //! The technique `photons` by itself: how good it is by how many photons, and what its parts cost.
 //!
 //! `cargo bench --bench photons` does all parts; `-- --part NAME` does one:
-//! - `quality`: error and energy by photons and sets, with rescue off and on, against the reference's light of one specular
-//!   event;
+//! - `quality`: error and energy by photons and sets, with rescue off and on and each filter, against the reference's light of
+//!   one specular event;
 //! - `march`: photons followed over pyramids against texel by texel;
 //! - `order`: neighbours followed side by side against shuffled ones;
 //! - `cost`: what starting, following, storing and showing photons takes, by how many there are (Table 1 of the paper).
 //!
 //! `--size WxH` is that of the pictures (256x192 of `quality`, else 1920x1080), `--photons 500000,1000000` how many,
-//! `--scene` and `--camera` what is rendered, `--reference N` samples of the reference's 1,000,000 photons, `--set` settings
-//! for all runs. Prints tables and writes `target/bench/photons.json`.
+//! `--scene` and `--camera` what is rendered, `--reference N` samples of the reference's 1,000,000 photons, `--denoise off,spatial`
+//! which filters `quality` measures, `--set` settings for all runs. Prints tables and writes `target/bench/photons.json`.
 //!
 //! Each run begins with a sample that is not counted: with it, drivers compile kernels. Times are of one sample: CPU
 //! seconds of all cores on a software device, milliseconds of passes by the device.
@@ -38,6 +38,7 @@ const PARTS: [Part<Options>; 4] =
 pub struct Options {
     scene: Option<PathBuf>,
     photons: Vec<u32>,
+    denoise: Vec<String>,
     reference: u32,
     settings: RenderSettings,
 }
@@ -52,6 +53,7 @@ fn options() -> Result<(Vec<String>, Options), Box<dyn Error>> {
     let mut options = Options {
         scene: None,
         photons: vec![500_000, 1_000_000, 2_000_000],
+        denoise: ["off", "spatial", "temporal"].map(String::from).to_vec(),
         reference: 32,
         settings: RenderSettings { technique: TechniqueKind::Photons, trace: "cwbvh".parse()?, ..Default::default() },
     };
@@ -60,6 +62,7 @@ fn options() -> Result<(Vec<String>, Options), Box<dyn Error>> {
             "--part" => parts.push(parts::named(&PARTS, value)?),
             "--scene" => options.scene = Some(value.into()),
             "--photons" => options.photons = options::numbers(&value)?,
+            "--denoise" => options.denoise = value.split(',').map(String::from).collect(),
             "--reference" => options.reference = value.parse()?,
             _ => options::put(&mut options.settings, (name, value))?,
         }

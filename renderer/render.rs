@@ -200,7 +200,7 @@ impl Renderer {
     fn start_over(&mut self) -> Result<(), RenderError> {
         self.begin();
         if self.bands.is_empty() {
-            return Ok(self.make_bands()?);
+            return self.make_bands();
         }
         let views: Vec<View> = self.bands.iter().map(|band| self.view(band.rows)).collect();
         let (seed, jitter) = (self.own_seed(), self.jitter());
@@ -301,7 +301,7 @@ impl Renderer {
         self.make_bands().or_else(|error| {
             self.size = before;
             self.make_bands()?;
-            Err(error.into())
+            Err(error)
         })
     }
 
@@ -317,7 +317,7 @@ impl Renderer {
         self.make_bands().or_else(|error| {
             (self.technique_kind, self.settings) = (kind_before, before);
             self.make_bands()?;
-            Err(error.into())
+            Err(error)
         })
     }
 

@@ -1,8 +1,10 @@
-//! The technique `photons` from lights to pictures: closed forms, the reference, and itself.
+//! The technique `photons` from lights to pictures: closed forms, the reference, and itself; and its filter.
 
 #[path = "technique_photons/agreement.rs"]
 mod agreement;
 mod common;
+#[path = "technique_photons/denoise/mod.rs"]
+mod denoise;
 #[path = "technique_photons/edges.rs"]
 mod edges;
 #[path = "technique_photons/extremes.rs"]
@@ -55,6 +57,17 @@ fn main() -> ExitCode {
         case("photons_at_odd_settings_are_sound", extremes::settings),
         case("photons_at_any_scale_are_alike", extremes::scales),
         case("photons_in_media_and_rough_mirrors", extremes::media),
+        case("a_flat_field_stays_flat", denoise::space::flat),
+        case("light_stays_on_its_surface", denoise::space::edges),
+        case("flux_is_kept_on_slanting_surfaces", denoise::space::flux),
+        case("noise_falls", denoise::space::noise),
+        case("histories_are_means", denoise::history::means),
+        case("a_camera_that_moves_keeps_what_it_saw", denoise::history::camera),
+        case("an_object_that_moves_takes_its_history_along", denoise::history::object),
+        case("light_that_changes_does_not_lag", denoise::history::change),
+        case("adapting_keeps_the_light", denoise::history::steady),
+        case("pictures_have_less_noise_and_the_same_light", denoise::pictures::noise),
+        case("frames_of_a_still_scene_converge", denoise::pictures::frames),
     ];
     common::run(cases.leak())
 }

@@ -26,7 +26,7 @@ pub struct Split {
     pub emit: f64,
     pub trace: f64,
     pub rescue: f64,
-    /// Emptying texels and making irradiance of what they hold.
+    /// Emptying texels, drawing discs, and making irradiance of what texels hold.
     pub store: f64,
     pub show: f64,
     /// Whatever else the technique does; denoising is here.
@@ -43,9 +43,9 @@ impl Split {
                 Some("emit") => split.emit += time,
                 Some("trace") => split.trace += time,
                 Some("rescue") => split.rescue += time,
-                Some("clear" | "irradiance") => split.store += time,
+                Some("clear" | "splat" | "irradiance") => split.store += time,
                 Some("show") => split.show += time,
-                Some("visibility" | "visibility-copy" | "see" | "pyramid" | "camera") => {}
+                Some("visibility" | "visibility-copy" | "see" | "pyramid" | "camera" | "clear-areas" | "coverage") => {}
                 Some(_) => split.other += time,
                 None => split.frame += time,
             }

@@ -1,4 +1,5 @@
 // The film as 8-bit sRGB: final radiance times the exposure, through the tone curve. As renderer/image/tone.rs does it.
+#include "shared/film_radiance.glsl"
 #include "shared/index.glsl"
 #include "shared/math.glsl"
 
@@ -13,10 +14,6 @@ struct DisplayPush {
     uint padding1;
 };
 layout(set = 2, binding = 0, std430) writeonly buffer DisplayPixels { uint display_pixels[]; };
-layout(set = 2, binding = 6, std430) readonly buffer FilmDirect { vec4 film_direct[]; };
-layout(set = 2, binding = 10, std430) readonly buffer FilmCaustic { vec4 film_caustic[]; };
-layout(set = 2, binding = 18, std430) readonly buffer FilmVolume { vec4 film_volume[]; };
-layout(set = 2, binding = 19, std430) readonly buffer FilmCausticVolume { vec4 film_caustic_volume[]; };
 layout(set = 2, binding = 20, std430) readonly buffer TaaSums { vec4 taa_sums[]; }; // radiance times weight, weight
 layout(push_constant) uniform DisplayPushes { DisplayPush push; };
 
@@ -29,11 +26,11 @@ float srgb(float linear) {
 void main() {
     uint pixel = linear_index();
     if (pixel >= push.pixels) return;
-    vec3 color = push.summed != 0u ? taa_sums[pixel].rgb / taa_sums[pixel].w : vec3(0.0);
-    for (uint layer = 0u; push.summed == 0u && layer < 2u; layer++) {
-        uint slot = layer * push.pixels + pixel;
-        color += film_direct[slot].rgb / push.samples + film_caustic[slot].rgb;
-        if (push.volume != 0u) color += film_volume[slot].rgb / push.samples + film_caustic_volume[slot].rgb;
+    vec3 color;
+    if (push.summed != 0u) {
+        color = taa_sums[pixel].rgb / taa_sums[pixel].w;
+    } else {
+        color = film_radiance(pixel, push.pixels, push.samples, push.volume != 0u);
     }
     color *= push.gain;
     float luminance = dot(color, vec3(0.2126, 0.7152, 0.0722));

@@ -1,5 +1,6 @@
 // A frame's radiance so far, and the motion of what each pixel's centre shows: one invocation a pixel of the band, for the
 // whole picture's buffers.
+#include "shared/film_radiance.glsl"
 #include "shared/index.glsl"
 #include "shared/math.glsl"
 #include "shared/motion.glsl"
@@ -11,10 +12,6 @@ struct TaaTakePush {
     uint volume;   // 1: the film has light that media scatter
     uint padding0;
 };
-layout(set = 2, binding = 6, std430) readonly buffer FilmDirect { vec4 film_direct[]; };
-layout(set = 2, binding = 10, std430) readonly buffer FilmCaustic { vec4 film_caustic[]; };
-layout(set = 2, binding = 18, std430) readonly buffer FilmVolume { vec4 film_volume[]; };
-layout(set = 2, binding = 19, std430) readonly buffer FilmCausticVolume { vec4 film_caustic_volume[]; };
 layout(set = 3, binding = 3, std430) readonly buffer SampleCounts { uint sample_counts[]; };
 layout(set = 3, binding = 4, std430) writeonly buffer TaaLights { TaaLight taa_lights[]; };
 layout(set = 3, binding = 5, std430) writeonly buffer TaaSeens { TaaSeen taa_seens[]; };
@@ -25,12 +22,7 @@ void main() {
     uint pixels = view.width * view.rows;
     if (index >= pixels) return;
     float samples = push.counted != 0u ? float(max(sample_counts[index], 1u)) : push.samples;
-    vec3 radiance = vec3(0.0);
-    for (uint layer = 0u; layer < 2u; layer++) {
-        uint slot = layer * pixels + index;
-        radiance += film_direct[slot].rgb / samples + film_caustic[slot].rgb;
-        if (push.volume != 0u) radiance += film_volume[slot].rgb / samples + film_caustic_volume[slot].rgb;
-    }
+    vec3 radiance = film_radiance(index, pixels, samples, push.volume != 0u);
     if (!all_finite(radiance)) radiance = vec3(0.0);
     Motion m = motion_of(index);
     uint pixel = view.first_row * view.width + index;

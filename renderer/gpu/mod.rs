@@ -13,6 +13,7 @@ mod memory;
 #[cfg(feature = "viewer")]
 mod painter;
 mod pipeline;
+mod queries;
 mod quirks;
 mod raster;
 mod recorder;

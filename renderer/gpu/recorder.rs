@@ -10,11 +10,9 @@ use ash::vk;
 
 use super::descriptors::DescriptorPools;
 use super::error::Call;
+use super::queries::Queries;
 use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
 use crate::spans::{self, Mark};
-
-/// Passes that one command buffer can time; further ones are run and not timed.
-const MAX_TIMED_PASSES: u32 = 4096;
 
 /// Workgroups along x before a dispatch folds into y; every device offers this many.
 const MAX_GROUPS_X: u32 = 65535;
@@ -31,7 +29,7 @@ pub struct PassTime {
 pub struct Recorder {
     command_pool: vk::CommandPool,
     commands: vk::CommandBuffer,
-    queries: Option<vk::QueryPool>,
+    queries: Queries,
     passes: Vec<String>,
     /// Times of the passes that were submitted alone.
     times: Vec<PassTime>,
@@ -53,7 +51,7 @@ impl Recorder {
             device: device.clone(),
             command_pool,
             commands: vk::CommandBuffer::null(),
-            queries: None,
+            queries: Queries::new(device),
             passes: Vec::new(),
             times: Vec::new(),
             descriptors: DescriptorPools::new(device),
@@ -69,19 +67,7 @@ impl Recorder {
     fn begin(&mut self) -> Result<(), GpuError> {
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is new, or its pool was reset after it had run.
-        unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }.call("vkBeginCommandBuffer")?;
-        if !self.device.has(Capability::Timestamps) || self.device.quirks.submit_each_pass {
-            return Ok(());
-        }
-        let info =
-            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * MAX_TIMED_PASSES);
-        // SAFETY: a query pool has no preconditions; it is reset before its first use.
-        unsafe {
-            let queries = self.device.raw.create_query_pool(&info, None).call("vkCreateQueryPool")?;
-            self.queries = Some(queries);
-            self.device.raw.cmd_reset_query_pool(self.commands, queries, 0, 2 * MAX_TIMED_PASSES);
-        }
-        Ok(())
+        unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }.call("vkBeginCommandBuffer")
     }
 
     /// Opens a pass: everything before it is finished and visible to it. Commands within one pass are not ordered.
@@ -89,7 +75,8 @@ impl Recorder {
         if self.device.quirks.submit_each_pass && !self.passes.is_empty() {
             self.flush()?;
         }
-        let commands = self.commands;
+        let (commands, index) = (self.commands, self.passes.len() as u32);
+        self.queries.reserve(commands, index)?;
         self.barrier(
             vk::PipelineStageFlags::ALL_COMMANDS,
             vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE,
@@ -99,20 +86,10 @@ impl Recorder {
             // SAFETY: the command buffer is being recorded; the label is copied.
             unsafe { labels.cmd_begin_debug_utils_label(commands, &label) };
         }
-        let index = self.passes.len() as u32;
         self.passes.push(name.to_string());
         // At the bottom: after the barrier, so that a pass is not billed for the one before.
-        self.timestamp(2 * index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+        self.queries.write(commands, 2 * index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
         Ok(Pass { recorder: self, index })
-    }
-
-    fn timestamp(&self, query: u32, stage: vk::PipelineStageFlags) {
-        if let Some(queries) = self.queries
-            && query < 2 * MAX_TIMED_PASSES
-        {
-            // SAFETY: the query is in range and was reset.
-            unsafe { self.device.raw.cmd_write_timestamp(self.commands, stage, queries, query) };
-        }
     }
 
     fn barrier(&self, stage: vk::PipelineStageFlags, access: vk::AccessFlags) {
@@ -178,7 +155,7 @@ impl Recorder {
     fn leak(&mut self) {
         std::mem::forget(std::mem::take(&mut self.held));
         std::mem::forget(std::mem::replace(&mut self.descriptors, DescriptorPools::new(&self.device)));
-        self.queries = None;
+        self.queries.leak();
         self.command_pool = vk::CommandPool::null();
         std::mem::forget(self.device.clone());
     }
@@ -239,18 +216,11 @@ impl Recorder {
             }
             return Ok(self.passes.iter().map(|name| PassTime { name: name.clone(), milliseconds }).collect());
         }
-        let timed = (self.passes.len() as u32).min(MAX_TIMED_PASSES);
-        let mut ticks = vec![0u64; 2 * timed as usize];
-        if let Some(queries) = self.queries.filter(|_| timed > 0) {
-            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-            // SAFETY: every query in the range was written by the commands that have run.
-            unsafe { self.device.raw.get_query_pool_results(queries, 0, &mut ticks, flags) }
-                .call("vkGetQueryPoolResults")?;
-        }
+        let ticks = self.queries.read(self.passes.len())?;
         let period = f64::from(self.device.info.limits.timestamp_period) * 1e-6;
         let time = |index: usize| {
             let (start, end) = (ticks.get(2 * index)?, ticks.get(2 * index + 1)?);
-            self.queries.map(|_| end.saturating_sub(*start) as f64 * period)
+            Some(end.saturating_sub(*start) as f64 * period)
         };
         let times: Vec<PassTime> = (self.passes.iter().enumerate())
             .map(|(i, name)| PassTime { name: name.clone(), milliseconds: time(i) })
@@ -268,12 +238,7 @@ impl Drop for Recorder {
     fn drop(&mut self) {
         // SAFETY: the commands have run or were never submitted; what may still run was given up by `leak`, and destroying
         // a null pool does nothing.
-        unsafe {
-            if let Some(queries) = self.queries {
-                self.device.raw.destroy_query_pool(queries, None);
-            }
-            self.device.raw.destroy_command_pool(self.command_pool, None);
-        }
+        unsafe { self.device.raw.destroy_command_pool(self.command_pool, None) };
     }
 }
 
@@ -288,15 +253,23 @@ pub enum Groups<'a> {
 impl Groups<'_> {
     /// As many as `count` invocations take.
     pub fn of(kernel: &Kernel, count: u32) -> Self {
-        Groups::Count(count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)))
+        Groups::Count(groups_of(kernel, count))
     }
 
-    /// Along x and y, for kernels that find their index by `linear_index()`.
+    /// Along x and y, at least one, for kernels that find their index by `linear_index()`.
     pub fn folded(kernel: &Kernel, count: u32) -> [u32; 2] {
-        let groups = count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1)).max(1);
-        let x = groups.min(MAX_GROUPS_X);
-        [x, groups.div_ceil(x)]
+        fold(groups_of(kernel, count).max(1))
     }
+}
+
+fn groups_of(kernel: &Kernel, count: u32) -> u32 {
+    count.div_ceil(kernel.interface.workgroup.iter().product::<u32>().max(1))
+}
+
+/// Along x and y.
+fn fold(groups: u32) -> [u32; 2] {
+    let x = groups.min(MAX_GROUPS_X);
+    [x, groups.div_ceil(x.max(1))]
 }
 
 /// An open pass. It closes when dropped.
@@ -318,8 +291,20 @@ impl Pass<'_> {
         if matches!(groups, Groups::Count(0)) {
             return Ok(self);
         }
-        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        self.run(&groups);
+        self.start(kernel, bindings, bytemuck::bytes_of(push), &groups)?;
+        Ok(self)
+    }
+
+    /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
+    pub fn dispatch_indirect(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &impl bytemuck::NoUninit,
+        arguments: &Buffer,
+        offset: u64,
+    ) -> Result<&mut Self, GpuError> {
+        self.start(kernel, bindings, bytemuck::bytes_of(push), &Groups::From(arguments, offset))?;
         Ok(self)
     }
 
@@ -334,9 +319,7 @@ impl Pass<'_> {
     ) -> Result<&mut Self, GpuError> {
         let mut pushes = pushes.into_iter();
         let Some(first) = pushes.next() else { return Ok(self) };
-        let groups = self.check_groups(kernel, groups)?;
-        self.bind(kernel, bindings, bytemuck::bytes_of(&first))?;
-        self.run(&groups);
+        self.start(kernel, bindings, bytemuck::bytes_of(&first), &groups)?;
         for push in pushes {
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
             self.recorder.barrier(stage, vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
@@ -351,14 +334,28 @@ impl Pass<'_> {
         Ok(self)
     }
 
+    /// Binds what `kernel` wants and runs it.
+    fn start(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &[&Bindings],
+        push: &[u8],
+        groups: &Groups<'_>,
+    ) -> Result<(), GpuError> {
+        self.hold_groups(kernel, groups)?;
+        self.bind(kernel, bindings, push)?;
+        self.run(groups);
+        Ok(())
+    }
+
     /// Runs what is bound.
     fn run(&self, groups: &Groups<'_>) {
         let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
         match *groups {
             // SAFETY: the pipeline and its descriptors are bound.
             Groups::Count(count) => unsafe {
-                let x = count.min(MAX_GROUPS_X);
-                raw.cmd_dispatch(commands, x, count.div_ceil(x.max(1)), 1);
+                let [x, y] = fold(count);
+                raw.cmd_dispatch(commands, x, y, 1);
             },
             // SAFETY: as above; the buffer was made for indirect use, and is held.
             Groups::From(arguments, offset) => unsafe {
@@ -367,9 +364,9 @@ impl Pass<'_> {
         }
     }
 
-    /// Makes sure that the groups can be run, and that there are some.
-    fn check_groups<'b>(&mut self, kernel: &Kernel, groups: Groups<'b>) -> Result<Groups<'b>, GpuError> {
-        if let Groups::From(arguments, offset) = groups {
+    /// Holds counts that lie in a buffer, and refuses them where they do not.
+    fn hold_groups(&mut self, kernel: &Kernel, groups: &Groups<'_>) -> Result<(), GpuError> {
+        if let Groups::From(arguments, offset) = *groups {
             if offset + 12 > arguments.size() || !offset.is_multiple_of(4) {
                 return Err(GpuError::Kernel {
                     kernel: kernel.name.clone(),
@@ -378,22 +375,7 @@ impl Pass<'_> {
             }
             self.hold(arguments);
         }
-        Ok(groups)
-    }
-
-    /// Runs `kernel` with the three u32 group counts at `offset` (bytes) of `arguments`.
-    pub fn dispatch_indirect(
-        &mut self,
-        kernel: &Kernel,
-        bindings: &[&Bindings],
-        push: &impl bytemuck::NoUninit,
-        arguments: &Buffer,
-        offset: u64,
-    ) -> Result<&mut Self, GpuError> {
-        let groups = self.check_groups(kernel, Groups::From(arguments, offset))?;
-        self.bind(kernel, bindings, bytemuck::bytes_of(push))?;
-        self.run(&groups);
-        Ok(self)
+        Ok(())
     }
 
     /// Sets every u32 of the buffer.
@@ -488,7 +470,7 @@ impl Pass<'_> {
 
 impl Drop for Pass<'_> {
     fn drop(&mut self) {
-        self.recorder.timestamp(2 * self.index + 1, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+        self.recorder.queries.write(self.recorder.commands, 2 * self.index + 1, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
         if let Some(labels) = &self.recorder.device.labels {
             // SAFETY: closes the label that the pass opened.
             unsafe { labels.cmd_end_debug_utils_label(self.recorder.commands) };

@@ -173,6 +173,7 @@ const TOO_SLOW_ON_SWIFTSHADER: &[&str] = &[
     "each_rule_splits",
     "even_light_is_flat_at_every_tilt",
     "extreme_media_are_finite",
+    "given_beams_in_extreme_media_are_finite",
     "frames_of_a_still_scene_converge",
     "path_classes_part_the_light_in_volumes",
     "photons_are_accounted_for",

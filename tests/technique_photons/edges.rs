@@ -8,51 +8,14 @@ use nephroid::scene::{self, Scene};
 use nephroid::technique::TechniqueKind;
 
 use crate::common::{Request, layer};
-use crate::flat::tilted_scene;
+use crate::flat::{even_text, tilted_scene};
 use crate::{assert_sound, difference, render, sum, watts};
-
-/// Slats under flat water, two or three pixels wide, over a floor.
-const SLATS: &str = r#"
-[[camera]]
-name = "down"
-position = [0, -0.5, 1]
-target = [0, -2, 0.2]
-fov_y = 60
-medium = "water"
-[[medium]]
-name = "water"
-index = 1.33
-[[material]]
-name = "white"
-kind = "diffuse"
-albedo = 1
-[[material]]
-name = "surface"
-kind = "dielectric"
-front = "air"
-back = "water"
-[[object]]
-name = "floor"
-shape = "plane"
-centre = [0, -2, 0]
-size = [40, 40]
-material = "white"
-[[object]]
-name = "water"
-shape = "plane"
-size = [5, 6]
-material = "surface"
-[[light]]
-name = "sun"
-kind = "directional"
-direction = [0.1, -1, 0]
-irradiance = 10
-"#;
 
 const SIZE: (u32, u32) = (32, 24);
 
+/// Slats under flat water, two or three pixels wide, over a floor.
 fn slats() -> Scene {
-    let mut text = SLATS.to_string();
+    let mut text = even_text("5, 6", "-2, 0.2", 60.0, "0.1, -1");
     for index in 0..9 {
         let (x, turn) = (-1.2 + 0.3 * f64::from(index), 7 * index);
         text += &format!(

@@ -9,7 +9,7 @@ use crate::common::pool::{flat_water_irradiance, floor_point};
 use crate::common::{Request, layer};
 use crate::{assert_sound, changed, load, render};
 
-/// The sun through flat water on a floor 2 m below, seen from within the water.
+/// The sun through flat water on a floor 2 m below, seen from within the water; see [`even_text`].
 const EVEN: &str = r#"
 [[camera]]
 name = "tilted"
@@ -39,7 +39,7 @@ material = "white"
 [[object]]
 name = "water"
 shape = "plane"
-size = [10, 10]
+size = [WATER]
 material = "surface"
 [[light]]
 name = "sun"
@@ -59,12 +59,19 @@ pub fn transmittance(cosine: f64, index: f64) -> f64 {
     1.0 - 0.5 * (across * across + along * along)
 }
 
+/// The scene of even light: the water's sides in m, what the camera looks at by y and z in m, its field in degrees, and which
+/// way the sun shines by x and y.
+pub fn even_text(water: &str, target: &str, fov_y: f64, sun: &str) -> String {
+    let text = EVEN.replace("WATER", water).replace("TARGET", target);
+    text.replace("FOV", &fov_y.to_string()).replace("SUN", sun)
+}
+
 /// The even light of a sun so many degrees over the horizon, seen by a camera so many degrees from straight down.
 pub fn tilted_scene(sun: f64, tilt: f64, fov_y: f64) -> Scene {
     let (up, across) = sun.to_radians().sin_cos();
     let (sine, cosine) = tilt.to_radians().sin_cos();
-    let text = EVEN.replace("SUN", &format!("{across}, {}", -up)).replace("FOV", &fov_y.to_string());
-    let text = text.replace("TARGET", &format!("{}, {}", -0.5 - cosine, 1.0 - sine));
+    let target = format!("{}, {}", -0.5 - cosine, 1.0 - sine);
+    let text = even_text("10, 10", &target, fov_y, &format!("{across}, {}", -up));
     scene::parse(&text, Path::new("test.toml")).unwrap()
 }
 

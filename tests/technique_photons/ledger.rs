@@ -48,6 +48,8 @@ pub fn adds_up(request: &Request) {
             assert!(!rescued || watts(&picture, "rescued") > 0.0, "{what}: nothing is rescued");
             assert!(rescue == "rays" || watts(&picture, "rescued") == 0.0, "{what}: rays where none are asked for");
             assert!(rescue == "off" || watts(&picture, "lost") == 0.0, "{what}: rays lose light");
+            // Over the camera's view, outlines take up what a ray sees pass by.
+            assert!(rescue == "off" || counter(&picture, "camera_steps") == 0.0, "{what}: no ray is asked");
         }
     }
 }

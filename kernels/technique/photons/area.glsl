@@ -13,12 +13,17 @@ const float LEAST_PART = 1.0 / 32.0;
 // its middle can say.
 const float GRAZING = 0.02;
 
+// m2 that a texel covers of the plane across the view at that depth.
+float plane_area(LightView v, float depth) {
+    vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
+    return step.x * step.y * depth * depth;
+}
+
 // m2 of surface that a texel would cover, were it all as at `way`, which is 1 along the view (erratum 12).
 float area_over(LightView v, vec3 way, vec3 geometric, float depth) {
-    vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
     float cosine = max(abs(dot(geometric, way)), GRAZING * length(way));
     // This is A_plane (z / d) / |v.n|, since way = v d / z.
-    return step.x * step.y * depth * depth / cosine;
+    return plane_area(v, depth) / cosine;
 }
 
 vec3 way_at(LightView v, vec2 chart) {

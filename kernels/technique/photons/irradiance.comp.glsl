@@ -20,8 +20,7 @@ void main() {
         float area = texel_area(v, index);
         if (push.printed_area != 0u) {
             vec3 way = way_at(v, chart_of(v, uvec2(index % v.columns, index / v.columns)));
-            vec2 step = (v.upper - v.lower) / vec2(v.columns - 1u, v.rows - 1u);
-            area = step.x * step.y * seen.depth * seen.depth * dot(way, way);
+            area = plane_area(v, seen.depth) * dot(way, way);
         }
         irradiance = units * (push.flux_unit / area);
     }

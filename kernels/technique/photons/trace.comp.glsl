@@ -12,7 +12,7 @@ layout(push_constant) uniform TracePush {
     uint photons;
     uint options;      // bits, below
     uint max_steps;
-    uint turns;        // views that a photon is followed over, 2, for the device to read: the loop is not unrolled
+    uint turns;        // views that a photon is followed over: the light's, and the camera's where no ray rescues
     uint fates;        // FATES
 } push;
 
@@ -59,7 +59,8 @@ PhotonRecord hidden_landing(Photon p, vec3 flux, Trail trail) {
     return PhotonRecord(position, pack_direction(trail.plane.normal), flux, NO_MEDIUM);
 }
 
-// Over the light's view, then over the camera's from where that ended. What is left for others to do.
+// Over the light's view, then over the camera's from where that ended, unless a ray does the rest. What is left for others
+// to do.
 PhotonRecord follow(Photon p) {
     bool rescue = (push.options & OPTION_RESCUE) != 0u;
     MarchSettings how = MarchSettings((push.options & OPTION_LINEAR_MARCH) == 0u, (push.options & OPTION_LINEAR_END) != 0u,
@@ -74,7 +75,7 @@ PhotonRecord follow(Photon p) {
     for (uint turn = 0u; turn < push.turns && texel == NO_TEXEL && !hidden; turn++) {
         bool last = turn == 1u;
         LightView v = light_views[index];
-        how.stops_hidden = !last || rescue;
+        how.stops_hidden = !last;
         trail = march(v, index, p.origin, p.direction, trail.t, how);
         count(last ? TALLY_CAMERA_STEPS : TALLY_LIGHT_STEPS, trail.steps);
         if (trail.end == TRAIL_LONG) count(TALLY_LONG, 1u);

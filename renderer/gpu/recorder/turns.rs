@@ -15,7 +15,7 @@ impl Pass<'_> {
         pushes: impl IntoIterator<Item = P>,
         groups: Groups<'_>,
     ) -> Result<&mut Self, GpuError> {
-        let groups = self.check_groups(kernel, groups)?;
+        self.hold_groups(kernel, &groups)?;
         let mut sets = Vec::new();
         for bindings in bindings {
             let found = self.recorder.descriptors.sets(&kernel.name, &kernel.layout, bindings, size_of::<P>())?;

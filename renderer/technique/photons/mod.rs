@@ -233,7 +233,7 @@ impl Photons {
                 | option("area", "printed", PRINTED_AREA)
                 | option("store", "splats", SPLATS),
             max_steps: settings.integer("steps"),
-            turns: 2,
+            turns: if rescue { 1 } else { 2 },
             fates: FATES,
         };
         let emission = EmissionPush {

@@ -103,7 +103,7 @@ pub const LAYOUTS: &[Layout] = &[
 const TILE_SIDE: u32 = 8;
 /// Tiles of a dispatch. Drivers and this program give up on what takes too long: smoke at 240x180, in one, took a busy
 /// software device ten minutes.
-const TILES_AT_ONCE: usize = 512;
+const TILES_AT_ONCE: u32 = 512;
 
 /// Adds up the light of beams; of one band.
 pub struct Accumulator {
@@ -203,9 +203,9 @@ impl Accumulator {
         if let Some(hulls) = &self.hulls {
             hulls.record(frame, recorder, &bindings)?;
         }
-        for first in (0..self.tiles).step_by(TILES_AT_ONCE) {
-            let tiles = (self.tiles - first).min(TILES_AT_ONCE as u32);
-            let tile = TilePush { first, ..self.tile_push() };
+        for first in (0..self.tiles).step_by(TILES_AT_ONCE as usize) {
+            let tiles = (self.tiles - first).min(TILES_AT_ONCE);
+            let tile = self.tile_push(first);
             // Hulls bring light to points, not to what pixels cover.
             let push = LightPush {
                 tile: TilePush { drawn: if self.footprints { 0 } else { tile.drawn }, ..tile },
@@ -224,13 +224,14 @@ impl Accumulator {
         self.filter.as_ref().map_or(Ok(()), |filter| filter.record(frame, recorder))
     }
 
-    fn tile_push(&self) -> TilePush {
+    /// For tiles from `first` on.
+    fn tile_push(&self, first: u32) -> TilePush {
         TilePush {
             capacity: self.beams.capacity,
             blocks: self.boxes.blocks(),
             listed: u32::from(self.listed),
             drawn: u32::from(self.hulls.is_some()),
-            first: 0,
+            first,
             padding0: 0,
             padding1: 0,
             padding2: 0,

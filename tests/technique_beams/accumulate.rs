@@ -1,39 +1,17 @@
 //! Light of given beams on surfaces, against f64 and closed forms.
 
-mod beams;
-mod common;
-#[path = "technique_beams_accumulate/filter.rs"]
-mod filter;
-
 use std::path::Path;
-use std::process::ExitCode;
 
-use beams::flat_water::flat_water_beams;
-use beams::stage::{FLOOR, Stage, counter, in_smoke, many_beams, parse, position};
-use beams::{beam_to_floor, oracle};
-use common::pool::flat_water_irradiance;
-use common::{Case, Request};
+use crate::beams::flat_water::flat_water_beams;
+use crate::beams::stage::{FLOOR, Stage, counter, in_smoke, many_beams, parse, position};
+use crate::beams::{beam_to_floor, oracle};
+use crate::common::Request;
+use crate::common::pool::flat_water_irradiance;
 use glam::{DVec3, dvec3};
 use nephroid::frame::{Sampling, VisiblePoint};
 use nephroid::scene;
 use nephroid::technique::beams::accumulate::{Area, Options, Shadows};
 use nephroid::technique::beams::beam::{Beam, EMPTY, STRADDLES};
-
-fn main() -> ExitCode {
-    common::run(&[
-        Case { name: "surfaces_are_lit_as_in_f64", needs: &[], disable: "", run: surfaces },
-        Case { name: "a_beam_lands_with_all_its_flux", needs: &[], disable: "", run: flux },
-        Case { name: "flat_water_is_the_closed_form", needs: &[], disable: "", run: flat_water },
-        Case { name: "shadows_fall", needs: &[], disable: "", run: shadows },
-        Case { name: "degenerate_beams_are_dark_or_finite", needs: &[], disable: "", run: degenerate },
-        Case { name: "adaptive_rounds_and_equal_bits", needs: &[], disable: "", run: adaptive },
-        Case { name: "the_filter_keeps_even_light_and_flux", needs: &[], disable: "", run: filter::flat_and_flux },
-        Case { name: "the_filter_is_as_wide_as_it_says", needs: &[], disable: "", run: filter::width },
-        Case { name: "the_filter_does_not_leak", needs: &[], disable: "", run: filter::leaks },
-        Case { name: "the_filter_ends_at_bands", needs: &[], disable: "", run: filter::bands },
-        Case { name: "the_filter_gives_equal_bits", needs: &[], disable: "", run: filter::equal_bits },
-    ])
-}
 
 /// Light at points, not on what pixels cover.
 const POINTS: Options = Options { footprints: false, ..Options::DEFAULT };
@@ -72,7 +50,7 @@ fn compare(found: &[(VisiblePoint, [f32; 4])], beams: &[Beam], extinction: f64, 
     compared
 }
 
-fn surfaces(request: &Request) {
+pub fn surfaces(request: &Request) {
     let beams = many_beams();
     let mut stage = Stage::new(request, parse(FLOOR), (61, 45), Sampling::Uniform);
     for (area, shadows) in [(Area::Vertex, Shadows::Points), (Area::Beam, Shadows::Edges)] {
@@ -95,7 +73,7 @@ fn surfaces(request: &Request) {
     assert!(compare(&found, &beams, 0.7, &POINTS) > 61 * 45 / 3);
 }
 
-fn flux(request: &Request) {
+pub fn flux(request: &Request) {
     // Each pixel covers the same of the floor: half the picture is 4 tan(30 degrees) high there. More tiles than are gathered
     // at once.
     let (width, height, samples) = (256u32, 192u32, 2u32);
@@ -126,7 +104,7 @@ fn flux(request: &Request) {
 /// Of the union of beams 0.16 m wide against the closed form: what the mean of three corners is off for a square's flux.
 const FLAT_WATER: f64 = 2e-3;
 
-fn flat_water(request: &Request) {
+pub fn flat_water(request: &Request) {
     let beams = flat_water_beams(64);
     let scene = scene::load(Path::new("scenes/flat_water.toml")).unwrap();
     let mut stage = Stage::new(request, scene, (60, 45), Sampling::Uniform);
@@ -155,7 +133,7 @@ size = [1, 0.6]
 material = "floor"
 "#;
 
-fn shadows(request: &Request) {
+pub fn shadows(request: &Request) {
     let corners = [dvec3(-4.0, 2.0, -3.0), dvec3(5.0, 2.0, -3.0), dvec3(0.0, 2.0, 5.0)];
     // Light comes from the right, so that the shadow shows beside the plate: from x = -0.25 to 0.
     let mut one = beam_to_floor(corners, [dvec3(-1.0, -2.0, 0.0); 3], 1.0, 0.0);
@@ -183,7 +161,7 @@ fn shadows(request: &Request) {
     }
 }
 
-fn degenerate(request: &Request) {
+pub fn degenerate(request: &Request) {
     let good = many_beams().swap_remove(0);
     let mut all = vec![good];
     // No area at all, a line, all of it in one point of the floor, an empty slot, and numbers that are none.
@@ -216,7 +194,7 @@ fn degenerate(request: &Request) {
     assert_eq!(counter(&accumulator, "beam_fragments_non_finite"), 0.0);
 }
 
-fn adaptive(request: &Request) {
+pub fn adaptive(request: &Request) {
     let beams = many_beams();
     let mut stage = Stage::new(request, parse(FLOOR), (61, 45), Sampling::Adaptive { samples: 4 });
     let accumulator = stage.accumulator(&beams, POINTS);

@@ -1,28 +1,15 @@
 //! Beams drawn by a rasteriser, against tiles that look for them.
 
-mod beams;
-mod common;
-
 use std::path::Path;
-use std::process::ExitCode;
 
-use beams::flat_water::flat_water_beams;
-use beams::stage::{FLOOR, Stage, counter, in_smoke, many_beams, parse};
-use common::{Case, Request};
+use crate::beams::flat_water::flat_water_beams;
+use crate::beams::stage::{FLOOR, Stage, counter, in_smoke, many_beams, parse};
+use crate::common::Request;
 use nephroid::frame::Sampling;
 use nephroid::gpu::Capability;
 use nephroid::scene::{self, Scene};
 use nephroid::technique::beams::accumulate::{Bounds, Options, Tier};
 use nephroid::technique::beams::beam::Beam;
-
-fn main() -> ExitCode {
-    common::run(&[
-        Case { name: "tiers_agree_on_surfaces", needs: &[Capability::Graphics], disable: "", run: surfaces },
-        Case { name: "tiers_agree_in_media", needs: &[Capability::Graphics], disable: "", run: media },
-        Case { name: "tiers_share_what_mirrors_show", needs: &[Capability::Graphics], disable: "", run: mirrors },
-        Case { name: "tiers_can_be_switched_off", needs: &[], disable: "graphics", run: switched_off },
-    ])
-}
 
 /// Light at points, which is what hulls bring.
 const POINTS: Options = Options { footprints: false, ..Options::DEFAULT };
@@ -88,12 +75,12 @@ fn compare(request: &Request, scene: &dyn Fn() -> Scene, beams: &[Beam]) -> [f64
     drawn
 }
 
-fn surfaces(request: &Request) {
+pub fn surfaces(request: &Request) {
     let [six, prism] = compare(request, &|| parse(FLOOR), &many_beams());
     assert!(six < prism, "{six} fragments of six sides, {prism} of prisms");
 }
 
-fn media(request: &Request) {
+pub fn media(request: &Request) {
     let beams: Vec<Beam> = many_beams().into_iter().map(|beam| Beam { medium: 1, ..beam }).collect();
     // From the side, and from inside the beams.
     for eye in ["[0.3, 1.2, 4]", "[0.2, 0.8, 0.3]"] {
@@ -104,7 +91,7 @@ fn media(request: &Request) {
     }
 }
 
-fn mirrors(request: &Request) {
+pub fn mirrors(request: &Request) {
     // Seen from above, all of the floor is behind the water: nothing is drawn that counts, and tiles see it all.
     let beams = flat_water_beams(24);
     let water = std::fs::read_to_string("scenes/flat_water.toml").unwrap();
@@ -118,7 +105,7 @@ fn mirrors(request: &Request) {
     compare(request, &|| scene::parse(&turbid, Path::new("scenes/flat_water.toml")).unwrap(), &beams);
 }
 
-fn switched_off(request: &Request) {
+pub fn switched_off(request: &Request) {
     let options = Options { tier: Some(Tier::Geometry), ..POINTS };
     let stage = Stage::new(request, parse(FLOOR), (8, 6), Sampling::Uniform);
     assert_eq!(stage.accumulator(&many_beams(), options).tier(), Tier::Compute);

@@ -1,34 +1,16 @@
 //! What beams scatter towards the camera, against f64: given ones, and those that lights send.
 
-mod beams;
-mod common;
-
-use std::process::ExitCode;
-
-use beams::oracle::{self, Fog, ViewRay};
-use beams::stage::{CROWD, Stage, counter, in_smoke, many_beams, parse};
-use common::pool::{FlatPart, against_flat_water, turbid_flat_pool};
-use common::smoke::{against_pane, pane};
-use common::{Case, Request, layer};
+use crate::beams::oracle::{self, Fog, ViewRay};
+use crate::beams::stage::{CROWD, Stage, counter, in_smoke, many_beams, parse};
+use crate::common::pool::{FlatPart, against_flat_water, turbid_flat_pool};
+use crate::common::smoke::{against_pane, pane};
+use crate::common::{Request, layer};
 use glam::DVec3;
 use nephroid::frame::{Sampling, ViewSegment};
 use nephroid::scene::Scene;
 use nephroid::technique::TechniqueKind;
 use nephroid::technique::beams::accumulate::{Accumulator, Integral, Interval, Options};
 use nephroid::technique::beams::beam::Beam;
-
-fn main() -> ExitCode {
-    common::run(&[
-        Case { name: "media_scatter_as_in_f64", needs: &[], disable: "", run: one_by_one },
-        Case { name: "a_crowd_of_beams_adds_up", needs: &[], disable: "", run: crowd },
-        Case { name: "other_integrals_agree", needs: &[], disable: "", run: integrals },
-        Case { name: "extreme_media_are_finite", needs: &[], disable: "", run: extremes },
-        Case { name: "flat_water_scatters_as_quadrature_says", needs: &[], disable: "", run: flat_water },
-        Case { name: "smoke_scatters_as_quadrature_says", needs: &[], disable: "", run: smoke },
-        Case { name: "levels_show_the_same_shafts", needs: &[], disable: "", run: levels },
-        Case { name: "water_of_any_strength_is_finite", needs: &[], disable: "", run: strengths },
-    ])
-}
 
 /// Of a beam's light along a ray through the middle of it; two points a step leave this.
 const EXACT: f64 = 5e-4;
@@ -65,7 +47,7 @@ fn volume(stage: &mut Stage, accumulator: &Accumulator) -> Vec<[f32; 4]> {
     stage.read("SampleVolume", 1)
 }
 
-fn one_by_one(request: &Request) {
+pub fn one_by_one(request: &Request) {
     let mut stage = Stage::new(request, parse(&fog_scene()), (24, 18), Sampling::Uniform);
     let options = Options::default();
     for (index, beam) in in_fog(many_beams()).into_iter().take(7).enumerate() {
@@ -95,7 +77,7 @@ fn one_by_one(request: &Request) {
     }
 }
 
-fn crowd(request: &Request) {
+pub fn crowd(request: &Request) {
     let beams = in_fog(many_beams().split_off(7));
     let mut stage = Stage::new(request, parse(&fog_scene()), (24, 18), Sampling::Uniform);
     let accumulator = stage.accumulator(&beams, Options::default());
@@ -117,7 +99,7 @@ fn crowd(request: &Request) {
     assert!(counter(&accumulator, "beam_tests") < 0.6 * CROWD as f64 * 432.0);
 }
 
-fn integrals(request: &Request) {
+pub fn integrals(request: &Request) {
     // Without a focus, whose beams a plane does not cut in a triangle.
     let mut beams = in_fog(many_beams());
     beams.swap(3, 5);
@@ -144,7 +126,7 @@ fn integrals(request: &Request) {
     assert!(plane > adaptive && plane < 0.5, "{plane}");
 }
 
-fn extremes(request: &Request) {
+pub fn extremes(request: &Request) {
     let beams = in_fog(many_beams());
     for (coefficients, dark) in
         [("absorption = 1e9\nscattering = 1e9", true), ("scattering = 1e-9", false), ("scattering = 3", false)]
@@ -176,7 +158,7 @@ fn caustic_volume(request: &Request, scene: Scene, size: (u32, u32), set: &str) 
 /// twice as far off.
 const FLAT: f64 = 0.02;
 
-fn flat_water(request: &Request) {
+pub fn flat_water(request: &Request) {
     let size = (24, 18);
     for asymmetry in [0.0, 0.7] {
         let found = caustic_volume(request, turbid_flat_pool(asymmetry as f32), size, "beams.levels=1 beams.bounces=1");
@@ -192,7 +174,7 @@ fn flat_water(request: &Request) {
 /// Of the smoke: nothing but the pane's rim, which beams straddle, is not exact; pixels as above.
 const SMOKE: f64 = 0.02;
 
-fn smoke(request: &Request) {
+pub fn smoke(request: &Request) {
     let size = (16, 12);
     let found = caustic_volume(request, pane(), size, "beams.levels=1 beams.bounces=2");
     // Through the pane without a reflection in it: (1 - R)^2 with R = 0.04.
@@ -206,7 +188,7 @@ fn smoke(request: &Request) {
 /// What a level more, of light that is not focused, may change a pixel by.
 const LEVEL: f64 = 0.04;
 
-fn levels(request: &Request) {
+pub fn levels(request: &Request) {
     let picture = |levels: u32| {
         let set = format!("beams.levels={levels} beams.least_level={levels} beams.bounces=1");
         caustic_volume(request, turbid_flat_pool(0.5), (8, 6), &set)
@@ -218,7 +200,7 @@ fn levels(request: &Request) {
 }
 
 /// Water through which all light comes, or none, and with nothing in it.
-fn strengths(request: &Request) {
+pub fn strengths(request: &Request) {
     let sum = |factor: f32| {
         let mut scene = turbid_flat_pool(0.0);
         scene
