@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "viewer")]
 use nephroid::commands::view;
-use nephroid::commands::{animate, compare, devices, render, shell};
+use nephroid::commands::{animate, compare, conformance, devices, render, shell};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -33,6 +33,7 @@ enum Command {
     View(Box<view::ViewArgs>),
     Compare(compare::CompareArgs),
     Devices(devices::DevicesArgs),
+    Conformance(Box<conformance::ConformanceArgs>),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
 }
@@ -55,6 +56,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Animate(args) => return Ok(animate::run(&args)?),
         #[cfg(feature = "viewer")]
         Command::View(args) => return Ok(view::run(&args)?),
+        Command::Conformance(args) => return Ok(conformance::run(&args)?),
         Command::Compare(args) => compare::run(&args)?,
         Command::Devices(args) => devices::run(&args)?,
         Command::Completions(args) => shell::completions(&args, Cli::command())?,

@@ -32,6 +32,7 @@ pub struct Slot {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlotKind {
     StorageBuffer,
+    StorageImage,
     AccelerationStructure,
 }
 
@@ -116,9 +117,11 @@ fn literal(value: &spirq::constant::ConstantValue) -> Option<u32> {
 fn slot_kind(kind: &DescriptorType) -> Result<SlotKind, String> {
     match kind {
         DescriptorType::StorageBuffer(_) => Ok(SlotKind::StorageBuffer),
+        DescriptorType::StorageImage(_) => Ok(SlotKind::StorageImage),
         DescriptorType::AccelStruct() => Ok(SlotKind::AccelerationStructure),
         other => Err(format!(
-            "it wants a descriptor of kind {other:?}; storage buffers and acceleration structures are offered"
+            "it wants a descriptor of kind {other:?}; storage buffers, storage images and acceleration structures are \
+             offered"
         )),
     }
 }
