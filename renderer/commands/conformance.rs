@@ -39,7 +39,7 @@ pub struct ConformanceArgs {
     #[arg(long, value_name = "DEVICE", env = "NEPHROID_DEVICE", hide_env_values = true)]
     pub device: Option<String>,
     /// Run the cases alone whose name, group.case, has a match of this regular expression
-    #[arg(long, value_name = "RE", value_parser = Regex::new)]
+    #[arg(long, value_name = "RE", value_parser = expression)]
     pub filter: Option<Regex>,
     /// Tiers to run on, with commas between them [default: all that the device offers]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tier_names())]
@@ -88,6 +88,15 @@ pub struct ConformanceArgs {
         conformance::faults::Fault::ALL.map(conformance::faults::Fault::name)
     ))]
     pub fault: Option<String>,
+}
+
+fn expression(text: &str) -> Result<Regex, String> {
+    // The last line has the reason; those before show the place, which does not fit into one sentence.
+    Regex::new(text).map_err(|error| {
+        let message = error.to_string();
+        let reason = message.lines().last().unwrap_or_default().trim_start_matches("error: ").to_string();
+        format!("it is no regular expression: {reason}")
+    })
 }
 
 fn tier_names() -> PossibleValuesParser {
@@ -172,7 +181,9 @@ pub fn run(args: &ConformanceArgs) -> Result<ExitCode, ConformanceError> {
 fn chosen(args: &ConformanceArgs) -> Result<Vec<&'static Case>, ConformanceError> {
     let all = CASES.iter().copied().flatten().chain(args.lose_device.then_some(&DEVICE_LOSS));
     let named = |case: &&Case| match &args.filter {
-        Some(filter) => filter.is_match(&case.id()) && (case.group != "self_check" || filter.as_str().contains("self_check")),
+        Some(filter) => {
+            filter.is_match(&case.id()) && (case.group != "self_check" || filter.as_str().contains("self_check"))
+        }
         None => case.group != "self_check",
     };
     let cases: Vec<_> = all.filter(named).collect();
@@ -214,7 +225,8 @@ fn plan(args: &ConformanceArgs, device: DeviceInfo) -> Result<Plan, ConformanceE
             offered: offered.iter().map(|tier| tier.name).collect::<Vec<_>>().join(", "),
         })
     };
-    let tiers = if args.tier.is_empty() { offered.clone() } else { args.tier.iter().map(named).collect::<Result<_, _>>()? };
+    let tiers =
+        if args.tier.is_empty() { offered.clone() } else { args.tier.iter().map(named).collect::<Result<_, _>>()? };
     Ok(Plan {
         program: std::env::current_exe().map_err(ConformanceError::Program)?,
         tiers,

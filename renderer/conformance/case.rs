@@ -145,7 +145,14 @@ impl<'a> Bench<'a> {
     pub fn at_most(&mut self, what: &str, worst: Worst, bound: f64, unit: &str) {
         let Worst { measured, place } = worst;
         let passed = measured <= bound;
-        self.report.checks.push(Check { what: what.to_string(), measured, bound, unit: unit.to_string(), place, passed });
+        self.report.checks.push(Check {
+            what: what.to_string(),
+            measured,
+            bound,
+            unit: unit.to_string(),
+            place,
+            passed,
+        });
     }
 
     /// Passes where both lists are the same, and counts differences.
@@ -178,7 +185,9 @@ impl<'a> Bench<'a> {
             image.pixels.iter().map(|p| tone::to_srgb8(p.map(|v| v / brightest))).collect()
         };
         let file = |pixels: &[[u8; 3]]| {
-            png::encode(found.width, found.height, pixels).map(|bytes| super::report::base64(&bytes)).unwrap_or_default()
+            png::encode(found.width, found.height, pixels)
+                .map(|bytes| super::report::base64(&bytes))
+                .unwrap_or_default()
         };
         self.report.pictures.push(PictureOfCase {
             width: found.width,

@@ -79,9 +79,12 @@ fn tables(ledgers: &[Ledger]) -> String {
             }
         }
         if !ledger.notes.is_empty() {
-            text.push_str("\n| driver | version | symptom | check that shows it | what Nephroid does |\n|---|---|---|---|---|\n");
+            text.push_str(
+                "\n| driver | version | symptom | check that shows it | what Nephroid does |\n|---|---|---|---|---|\n",
+            );
             for note in &ledger.notes {
-                let cells = [&note.driver, &note.version, &note.symptom, &note.check, &note.answer].map(|part| cell(part));
+                let cells =
+                    [&note.driver, &note.version, &note.symptom, &note.check, &note.answer].map(|part| cell(part));
                 let _ = writeln!(text, "| {} |", cells.join(" | "));
             }
         }
@@ -109,7 +112,11 @@ fn runs(old: &str, run: Option<&Report>) -> String {
         expected.dedup();
         let expected: Vec<String> = expected.into_iter().map(|case| format!("`{case}`")).collect();
         let s = report.summary;
-        let expected = format!("{}{}", s.expected_failure, if expected.is_empty() { String::new() } else { format!(": {}", expected.join(", ")) });
+        let expected = format!(
+            "{}{}",
+            s.expected_failure,
+            if expected.is_empty() { String::new() } else { format!(": {}", expected.join(", ")) }
+        );
         let row = format!("{key} {} | {failed} | {expected} | {} | {:.0} |", s.pass, s.skip, report.seconds);
         match rows.iter_mut().find(|row| row.starts_with(&key)) {
             Some(old) => *old = row,

@@ -147,7 +147,10 @@ fn compare(a: &str, b: &str) -> Ordering {
     let parts = |text: &str| -> Vec<u64> { text.split('.').map(|part| part.parse().unwrap_or(0)).collect() };
     let (a, b) = (parts(a), parts(b));
     let at = |parts: &[u64], index: usize| parts.get(index).copied().unwrap_or(0);
-    (0..a.len().max(b.len())).map(|i| at(&a, i).cmp(&at(&b, i))).find(|o| *o != Ordering::Equal).unwrap_or(Ordering::Equal)
+    (0..a.len().max(b.len()))
+        .map(|i| at(&a, i).cmp(&at(&b, i)))
+        .find(|o| *o != Ordering::Equal)
+        .unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]

@@ -141,7 +141,11 @@ fn run_child(
     if let Some(case) = cases.pop_front() {
         let words = errors.join().unwrap_or_default();
         let at = if cases.len() + 1 == before { "at its first case" } else { "here" };
-        add(case, Ok(Ending::Crash(format!("the process died {at}, {}{words}", describe(status)))), began.elapsed().as_secs_f64());
+        add(
+            case,
+            Ok(Ending::Crash(format!("the process died {at}, {}{words}", describe(status)))),
+            began.elapsed().as_secs_f64(),
+        );
     }
     Ok(())
 }
@@ -161,7 +165,8 @@ fn start(plan: &Plan, tier: Tier, cases: &VecDeque<&'static Case>) -> Result<Chi
         command.args(["--fault", fault]);
     }
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let failed = |error: std::io::Error| RunnerError::Start { program: plan.program.clone(), reason: error.to_string() };
+    let failed =
+        |error: std::io::Error| RunnerError::Start { program: plan.program.clone(), reason: error.to_string() };
     command.spawn().map_err(failed)
 }
 
@@ -181,7 +186,10 @@ fn listen(child: &mut Child) -> (Receiver<Line>, JoinHandle<String>) {
         let mut text = Vec::new();
         let _ = errors.map(|mut errors| errors.read_to_end(&mut text));
         let text = String::from_utf8_lossy(&text);
-        text.lines().rev().find(|line| !line.trim().is_empty()).map_or(String::new(), |line| format!("; its last words: {line}"))
+        text.lines()
+            .rev()
+            .find(|line| !line.trim().is_empty())
+            .map_or(String::new(), |line| format!("; its last words: {line}"))
     });
     (lines, last_words)
 }
@@ -208,9 +216,11 @@ fn judged(plan: &Plan, tier: Tier, case: &Case, ending: Result<Ending, String>, 
             match (&report.skipped, &report.error) {
                 (Some(reason), _) => (Outcome::Skip, reason.clone(), report),
                 (None, Some(error)) => (Outcome::Fail, error.clone(), report),
-                (None, None) if failed > 0 => {
-                    (Outcome::Fail, format!("{failed} of {} measurements are beyond their bounds", report.checks.len()), report)
-                }
+                (None, None) if failed > 0 => (
+                    Outcome::Fail,
+                    format!("{failed} of {} measurements are beyond their bounds", report.checks.len()),
+                    report,
+                ),
                 (None, None) => (Outcome::Pass, String::new(), report),
             }
         }
@@ -222,7 +232,10 @@ fn judged(plan: &Plan, tier: Tier, case: &Case, ending: Result<Ending, String>, 
         (Outcome::Fail | Outcome::Crash | Outcome::Timeout, Some(_)) => outcome = Outcome::ExpectedFailure,
         (Outcome::Pass, Some(known)) => {
             outcome = Outcome::UnexpectedPass;
-            reason = format!("the ledger expects a failure ({}); take the entry out, or end its version range", known.reason);
+            reason = format!(
+                "the ledger expects a failure ({}); take the entry out, or end its version range",
+                known.reason
+            );
         }
         _ => {}
     }
@@ -248,5 +261,9 @@ fn rerun(plan: &Plan, tier: Tier, id: &str) -> String {
     let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || " -_.".contains(c));
     let device = if plain { format!("'{name}'") } else { plan.device.index.to_string() };
     let fault = plan.fault.as_ref().map_or(String::new(), |fault| format!(" --fault {fault}"));
-    format!("nephroid conformance --device {device} --tier {} --filter '^{}$'{fault}", tier.name, id.replace('.', "\\."))
+    format!(
+        "nephroid conformance --device {device} --tier {} --filter '^{}$'{fault}",
+        tier.name,
+        id.replace('.', "\\.")
+    )
 }

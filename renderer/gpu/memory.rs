@@ -242,7 +242,8 @@ impl Image {
 
     /// One unsigned integer a pixel, for kernels to read, write and count in; all zero.
     pub fn counters(device: &Device, name: &str, width: u32, height: u32) -> Result<Image, GpuError> {
-        let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
+        let usage =
+            vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
         let image = Self::with_usage(device, name, vk::Format::R32_UINT, usage, width, height)?;
         let mut recorder = Recorder::new(device)?;
         recorder.pass("memory/clear")?.clear_image(&image);

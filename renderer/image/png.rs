@@ -87,22 +87,22 @@ fn encode_to(
     pixels: &[[u8; 3]],
     attributes: &BTreeMap<String, String>,
 ) -> Result<(), String> {
-        let size = (u32::try_from(width), u32::try_from(height));
-        let ((Ok(columns), Ok(rows)), true) = (size, pixels.len() == width * height) else {
-            return Err(format!("{} pixels do not make {width}x{height}", pixels.len()));
-        };
-        let mut encoder = Encoder::new(output, columns, rows);
-        encoder.set_color(ColorType::Rgb);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.set_compression(Compression::Fast);
-        encoder.set_filter(Filter::Adaptive);
-        let software = ("Software".to_owned(), SOFTWARE.to_owned());
-        for (keyword, text) in attributes.clone().into_iter().chain([software]) {
-            encoder.add_itxt_chunk(keyword, text).map_err(|error| error.to_string())?;
-        }
-        let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-        writer.write_image_data(pixels.as_flattened()).map_err(|error| error.to_string())?;
-        writer.finish().map_err(|error| error.to_string())
+    let size = (u32::try_from(width), u32::try_from(height));
+    let ((Ok(columns), Ok(rows)), true) = (size, pixels.len() == width * height) else {
+        return Err(format!("{} pixels do not make {width}x{height}", pixels.len()));
+    };
+    let mut encoder = Encoder::new(output, columns, rows);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    let software = ("Software".to_owned(), SOFTWARE.to_owned());
+    for (keyword, text) in attributes.clone().into_iter().chain([software]) {
+        encoder.add_itxt_chunk(keyword, text).map_err(|error| error.to_string())?;
+    }
+    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+    writer.write_image_data(pixels.as_flattened()).map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())
 }
 
 /// Reads a PNG of 8-bit RGB, as [`write_with`] makes them, to its last chunk.

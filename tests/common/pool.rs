@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-pub use nephroid::conformance::closed_forms::{flat_water_irradiance, floor_point, refracted_light};
 use nephroid::conformance::closed_forms::under_direction;
+pub use nephroid::conformance::closed_forms::{flat_water_irradiance, floor_point, refracted_light};
 use nephroid::scene::{self, Scene};
 
 /// A shipped scene whose water has 64 x 64 quads and not 256 x 256, so that it is quick.

@@ -27,8 +27,18 @@ const BARRIER: &[Fault] = &[Fault::Barrier];
 pub(super) const CASES: &[Case] = &[
     case("passes", "64 dispatches that each need the one before, in passes of one submission", BARRIER, passes),
     case("dispatches", "64 dispatches that each need the one before, within one pass", BARRIER, dispatches),
-    case("fill_then_read", "a kernel sees what a fill before it wrote, and a fill overwrites what a kernel wrote", BARRIER, fill),
-    case("copy_then_read", "a kernel sees what a copy before it brought, and a copy takes what a kernel wrote", BARRIER, copy),
+    case(
+        "fill_then_read",
+        "a kernel sees what a fill before it wrote, and a fill overwrites what a kernel wrote",
+        BARRIER,
+        fill,
+    ),
+    case(
+        "copy_then_read",
+        "a kernel sees what a copy before it brought, and a copy takes what a kernel wrote",
+        BARRIER,
+        copy,
+    ),
     case("workgroup", "barrier() in a workgroup orders shared memory", &[], workgroup),
 ];
 

@@ -22,12 +22,8 @@ const ROWS: u32 = 4;
 
 /// Draws all quads, of which number k covers the pixels 0 to k of each row.
 fn draw(bench: &Bench<'_>, targets: &RasterTargets, fragment: &str) -> Result<(), CaseError> {
-    let stages = RasterStages {
-        vertex: "conformance/points",
-        geometry: Some("conformance/quads"),
-        fragment,
-        variant: "",
-    };
+    let stages =
+        RasterStages { vertex: "conformance/points", geometry: Some("conformance/quads"), fragment, variant: "" };
     let raster = Raster::of_stages(bench.device, &stages, targets)?;
     let values = Buffer::from_slice(bench.device, "values", &vec![[1.0f32, 0.0, 0.0, 0.0]; COLUMNS as usize])?;
     let bindings = Bindings::new().buffer("Values", &values);

@@ -15,6 +15,7 @@ pub(super) const CASES: &[Case] = &[
     case("ids", "R32G32_UINT keeps every bit", ids),
     case("floats", "R32G32B32A32_SFLOAT keeps every normal number, zeros and infinities", floats),
     case("halves", "R16G16B16A16_SFLOAT keeps what it can hold, and rounds the rest to a neighbour", halves),
+    case("half_infinities", "R16G16B16A16_SFLOAT keeps infinities", half_infinities),
     case("display", "R8G8B8A8_UNORM rounds to a neighbour, and keeps bytes", display),
 ];
 
@@ -86,7 +87,7 @@ fn halves(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     for pixel in values.iter_mut().step_by(2) {
         *pixel = pixel.map(|v| f32::from_bits(v.to_bits() & 0xffff_e000));
     }
-    values[0] = [0.0, 65504.0, -65504.0, f32::INFINITY];
+    values[0] = [0.0, 65504.0, -65504.0, 1.0];
     let found: Vec<[u16; 4]> = round_trip(bench, Plain::Halves, "conformance/texels", &bits(&values))?;
     let (mut exact, mut rounded) = (Worst::default(), Worst::default());
     for (index, (found, value)) in found.iter().zip(&values).enumerate() {
@@ -100,6 +101,13 @@ fn halves(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     bench.note("largest rounding, steps of a half", format!("{:.3}", rounded.measured));
     bench.at_most("numbers that are halves", exact, 0.0, "steps of a half");
     bench.at_most("other numbers", rounded, 1.0, "steps of a half");
+    Ok(())
+}
+
+fn half_infinities(bench: &mut Bench<'_>) -> Result<(), CaseError> {
+    let values = vec![[f32::INFINITY, f32::NEG_INFINITY, 1.0, -0.0]; PIXELS];
+    let found: Vec<[u16; 4]> = round_trip(bench, Plain::Halves, "conformance/texels", &bits(&values))?;
+    bench.equal("pixels, as bits", &found, &[[0x7c00, 0xfc00, 0x3c00, 0x8000]; PIXELS]);
     Ok(())
 }
 

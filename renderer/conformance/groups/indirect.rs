@@ -15,8 +15,18 @@ const fn case(
 }
 
 pub(super) const CASES: &[Case] = &[
-    case("dispatch_counts", "as many workgroups run along each axis as the arguments say, none where they say 0", &[], counts),
-    case("order", "32 indirect dispatches whose sizes the ones before wrote, in one submission", &[Fault::Barrier], order),
+    case(
+        "dispatch_counts",
+        "as many workgroups run along each axis as the arguments say, none where they say 0",
+        &[],
+        counts,
+    ),
+    case(
+        "order",
+        "32 indirect dispatches whose sizes the ones before wrote, in one submission",
+        &[Fault::Barrier],
+        order,
+    ),
     Case {
         group: "indirect",
         name: "draw_counts",

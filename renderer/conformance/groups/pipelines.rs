@@ -34,7 +34,8 @@ fn many_threads(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     };
     let made: Vec<Result<Vec<Kernel>, GpuError>> = thread::scope(|scope| {
         let threads: Vec<_> = (0..THREADS).map(|thread| scope.spawn(move || make(thread))).collect();
-        let lost = || GpuError::Kernel { kernel: names[0].to_string(), reason: "a thread that made it died".to_string() };
+        let lost =
+            || GpuError::Kernel { kernel: names[0].to_string(), reason: "a thread that made it died".to_string() };
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(lost()))).collect()
     });
     let words = bench.words("written", WORDS)?;

@@ -19,11 +19,26 @@ const fn case(
 }
 
 pub(super) const CASES: &[Case] = &[
-    case("arithmetic", "sums, products, division and roots within the bounds of the Vulkan specification", &[], arithmetic),
+    case(
+        "arithmetic",
+        "sums, products, division and roots within the bounds of the Vulkan specification",
+        &[],
+        arithmetic,
+    ),
     case("functions", "exp2, log2, sin, cos and floor within the bounds of the Vulkan specification", &[], functions),
-    case("no_contraction", "`precise` a * b + c and a * b - c * d are not fused, as watertight tracing needs", &[], contraction),
+    case(
+        "no_contraction",
+        "`precise` a * b + c and a * b - c * d are not fused, as watertight tracing needs",
+        &[],
+        contraction,
+    ),
     case("comparisons", "comparisons of zeros, infinities and NaN answer as IEEE 754 says", &[], comparisons),
-    case("denormals", "moving numbers keeps the smallest; whether arithmetic does is reported", &[Fault::Denormals], denormals),
+    case(
+        "denormals",
+        "moving numbers keeps the smallest; whether arithmetic does is reported",
+        &[Fault::Denormals],
+        denormals,
+    ),
 ];
 
 /// Numbers a kernel takes and gives, as in `arithmetic.comp.glsl`.
@@ -104,7 +119,12 @@ fn functions(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     let over = |a: f32, b: f64, q: [f64; 4]| ulps(a, b) / (3.0 + 2.0 * q[3].abs());
     bench.at_most("exp2(w)", worst(&operands, &results, 9, |q| Some(q[3].exp2()), over), 1.0, "of 3 + 2 |w| ulp");
     let far: Oracle = |q| (!(0.5..=2.0).contains(&q[0].abs())).then(|| q[0].abs().log2());
-    bench.at_most("log2(|x|) outside of [0.5, 2]", worst(&operands, &results, 10, far, |a, b, _| ulps(a, b)), 3.0, "ulp");
+    bench.at_most(
+        "log2(|x|) outside of [0.5, 2]",
+        worst(&operands, &results, 10, far, |a, b, _| ulps(a, b)),
+        3.0,
+        "ulp",
+    );
     let absolute = |a: f32, b: f64, _: [f64; 4]| (f64::from(a) - b).abs();
     let near: Oracle = |q| (0.5..=2.0).contains(&q[0].abs()).then(|| q[0].abs().log2());
     bench.at_most("log2(|x|) within [0.5, 2]", worst(&operands, &results, 10, near, absolute), 2f64.powi(-21), "");
@@ -183,7 +203,9 @@ fn comparisons(bench: &mut Bench<'_>) -> Result<(), CaseError> {
         ("x == y", |x, y| x == y),
         ("x != y", |x, y| x != y),
         ("!(x < y)", |x, y| x.partial_cmp(&y) != Some(std::cmp::Ordering::Less)),
-        ("!(x >= y)", |x, y| !matches!(x.partial_cmp(&y), Some(std::cmp::Ordering::Greater | std::cmp::Ordering::Equal))),
+        ("!(x >= y)", |x, y| {
+            !matches!(x.partial_cmp(&y), Some(std::cmp::Ordering::Greater | std::cmp::Ordering::Equal))
+        }),
         ("x > y && x < infinity", |x, y| x > y && x < f32::INFINITY),
         ("exponent of x is full", |x, _| !x.is_finite()),
     ];

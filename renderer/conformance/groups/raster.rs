@@ -20,7 +20,11 @@ pub(super) const CASES: &[Case] = &[
     case("interpolation", "perspective-correct weights of corners against f64", interpolation),
     case("derivatives", "dFdx and dFdy of what varies evenly against f64", derivatives),
     case("blend_half", "sums in R16G16B16A16_SFLOAT: whole numbers are exact", blend_half),
-    case("blend_float", "sums in R32G32B32A32_SFLOAT: whole numbers are exact, others rounded once an addition", blend_float),
+    case(
+        "blend_float",
+        "sums in R32G32B32A32_SFLOAT: whole numbers are exact, others rounded once an addition",
+        blend_float,
+    ),
 ];
 
 /// Pixels along a side, a power of two: places in clip space are exact then.
@@ -60,7 +64,9 @@ enum Place {
     Inside,
     Outside,
     /// On an edge; whether the top-left rule gives it to this triangle.
-    Edge { top_left: bool },
+    Edge {
+        top_left: bool,
+    },
 }
 
 fn place(triangle: Triangle, pixel: usize) -> Place {
@@ -148,11 +154,19 @@ fn coverage(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     let mut random = Random(21);
     let (mut lost, mut extra) = (Worst::default(), Worst::default());
     let (mut counts, mut edges, mut other_rule) = ([0u32; 2], 0u32, 0u32);
-    for _ in 0..8 {
-        let triangles: Vec<Triangle> = (0..TOLD_APART).map(|_| random_triangle(&mut random)).collect();
+    for turn in 0..8 {
+        let mut triangles: Vec<Triangle> = (0..TOLD_APART).map(|_| random_triangle(&mut random)).collect();
+        // Every second draw has its corners on centres of pixels, so that edges run through many others.
+        let centre = |place: i64| place / GRID * GRID + GRID / 2;
+        if turn % 2 == 1 {
+            triangles.iter_mut().for_each(|triangle| *triangle = wound(triangle.map(|corner| corner.map(centre))));
+            triangles.retain(|triangle| area(*triangle) > 0);
+        }
         for (triangle, covered) in triangles.iter().zip(covered(bench, &triangles)?) {
             for (pixel, covered) in covered.into_iter().enumerate() {
-                let at = || format!("first at pixel {}, {} of {triangle:?} / {GRID}", pixel as u32 % SIDE, pixel as u32 / SIDE);
+                let at = || {
+                    format!("first at pixel {}, {} of {triangle:?} / {GRID}", pixel as u32 % SIDE, pixel as u32 / SIDE)
+                };
                 match place(*triangle, pixel) {
                     Place::Inside if !covered => {
                         counts[0] += 1;
@@ -181,15 +195,19 @@ fn coverage(bench: &mut Bench<'_>) -> Result<(), CaseError> {
 /// A tiling of the target: a grid of points of which those within are moved, and two triangles in each of its cells.
 fn tiling(random: &mut Random, cells: i64) -> Vec<Triangle> {
     let step = SIDE as i64 * GRID / cells;
-    let mut moved = |i: i64| if i == 0 || i == cells { 0 } else { random.below(step as usize * 2 / 3) as i64 - step / 3 };
-    let points: Vec<Point> =
-        (0..=cells).flat_map(|j| (0..=cells).map(move |i| (i, j))).map(|(i, j)| [i * step + moved(i), j * step + moved(j)]).collect();
+    let mut moved =
+        |i: i64| if i == 0 || i == cells { 0 } else { random.below(step as usize * 2 / 3) as i64 - step / 3 };
+    let points: Vec<Point> = (0..=cells)
+        .flat_map(|j| (0..=cells).map(move |i| (i, j)))
+        .map(|(i, j)| [i * step + moved(i), j * step + moved(j)])
+        .collect();
     let at = |i: i64, j: i64| points[(j * (cells + 1) + i) as usize];
     let cell = |i: i64, j: i64| {
         let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         // Along the diagonal that lies inside, so that neither triangle is turned over.
         let [a, b, c, d] = corners;
-        let (first, second) = if area([a, b, c]) > 0 && area([a, c, d]) > 0 { ([a, b, c], [a, c, d]) } else { ([a, b, d], [b, c, d]) };
+        let (first, second) =
+            if area([a, b, c]) > 0 && area([a, c, d]) > 0 { ([a, b, c], [a, c, d]) } else { ([a, b, d], [b, c, d]) };
         [first, second]
     };
     (0..cells).flat_map(|j| (0..cells).flat_map(move |i| cell(i, j)).collect::<Vec<_>>()).collect()

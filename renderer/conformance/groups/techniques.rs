@@ -35,14 +35,23 @@ pub(super) const CASES: &[Case] = &[
     case("mnee", "flat_water", FLAT, |bench| flat_water(bench, &MNEE)),
     case("beams", "flat_water", FLAT, |bench| flat_water(bench, &BEAMS)),
     case("beams", "ledger", LEDGER, |bench| ledger(bench, &BEAMS)),
+    Case {
+        group: "beams",
+        name: "hulls",
+        about: "the same light by hulls that are drawn, from a geometry stage or else from a kernel",
+        needs: &[Capability::Graphics],
+        minds: &[Capability::GeometryShader],
+        catches: &[],
+        run: hulls,
+    },
     case("photons", "flat_water", FLAT, |bench| flat_water(bench, &PHOTONS)),
     case("photons", "ledger", LEDGER, |bench| ledger(bench, &PHOTONS)),
 ];
 
 /// A technique, and what it is held to.
-struct Way {
+struct Way<'a> {
     kind: TechniqueKind,
-    set: &'static [&'static str],
+    set: &'a [&'static str],
     samples: u32,
     /// Of the sum over pixels, relative.
     energy: f64,
@@ -53,7 +62,7 @@ struct Way {
 }
 
 /// 400,000 photons gathered a thousand at a time, of smooth light.
-const REFERENCE: Way = Way {
+const REFERENCE: Way<'_> = Way {
     kind: TechniqueKind::Reference,
     set: &["reference.photons=200000", "reference.reuse=2", "reference.neighbours=1000"],
     samples: 4,
@@ -63,11 +72,10 @@ const REFERENCE: Way = Way {
 };
 
 /// Without noise: what f32 leaves, and a pixel's area beside its centre.
-const MNEE: Way =
-    Way { kind: TechniqueKind::Mnee, set: &[], samples: 1, energy: 0.002, noise: 0.005, balance: 0.0 };
+const MNEE: Way<'_> = Way { kind: TechniqueKind::Mnee, set: &[], samples: 4, energy: 0.002, noise: 0.01, balance: 0.0 };
 
 /// What triangles between rays leave of smooth light.
-const BEAMS: Way = Way {
+const BEAMS: Way<'_> = Way {
     kind: TechniqueKind::Beams,
     set: &["beams.grid=16", "beams.levels=1", "beams.vertices=16384"],
     samples: 1,
@@ -77,7 +85,7 @@ const BEAMS: Way = Way {
 };
 
 /// A hundred photons and more on a pixel, spread more evenly than by chance.
-const PHOTONS: Way = Way {
+const PHOTONS: Way<'_> = Way {
     kind: TechniqueKind::Photons,
     set: &["photons.photons=100000", "photons.resolution=512"],
     samples: 1,
@@ -100,7 +108,7 @@ fn waves() -> Result<Scene, CaseError> {
 
 /// A picture on the bench's device, with rays by ray queries where there are such, else by the wide tree, on a device that is
 /// compute alone by the binary one.
-fn render(bench: &Bench<'_>, scene: Scene, way: &Way, size: (u32, u32)) -> Result<Picture, CaseError> {
+fn render(bench: &Bench<'_>, scene: Scene, way: &Way<'_>, size: (u32, u32)) -> Result<Picture, CaseError> {
     let trace = match bench.device.has(Capability::RayQuery) {
         true => TraceChoice::RayQuery,
         false if bench.tier.is_compute() => TraceChoice::Bvh2,
@@ -135,9 +143,7 @@ fn compare(
     noise: f64,
 ) -> Result<(), CaseError> {
     let (width, height) = (found.width, found.height);
-    let place = |index: usize| {
-        floor_point((index % width) as f64, (index / width) as f64, width as f64, height as f64)
-    };
+    let place = |index: usize| floor_point((index % width) as f64, (index / width) as f64, width as f64, height as f64);
     let value = |index: usize| place(index).map_or(0.0, |(x, z)| expected(x, z));
     let inside: Vec<bool> = (0..width * height).map(|index| place(index).is_some()).collect();
     let truth = RgbImage { width, height, pixels: (0..width * height).map(|index| [value(index) as f32; 3]).collect() };
@@ -156,7 +162,8 @@ fn compare(
     }
     bench.picture(found, &truth, inside);
     bench.at_most("numbers of the picture that are none", not_finite, 0.0, "");
-    let place = format!("{count} pixels of the floor: {:.6}, not {:.6}, in the mean", sum / count, expected_sum / count);
+    let place =
+        format!("{count} pixels of the floor: {:.6}, not {:.6}, in the mean", sum / count, expected_sum / count);
     let mut worst = Worst::default();
     worst.see((sum / expected_sum - 1.0).abs(), || place.clone());
     bench.at_most("light in sum, relative", worst, energy, "");
@@ -166,16 +173,30 @@ fn compare(
     Ok(())
 }
 
-fn flat_water(bench: &mut Bench<'_>, way: &Way) -> Result<(), CaseError> {
+fn flat_water(bench: &mut Bench<'_>, way: &Way<'_>) -> Result<(), CaseError> {
     let picture = render(bench, flat_pool()?, way, SIZE)?;
     bench.note("tier", &picture.stats.tier);
     compare(bench, &layer(&picture, "caustic")?, flat_water_irradiance, way.energy, way.noise)
+}
+
+fn hulls(bench: &mut Bench<'_>) -> Result<(), CaseError> {
+    if !bench.device.info.limits.float_sums {
+        return Err(CaseError::Skip("the driver does not blend 32-bit floats".to_string()));
+    }
+    let way = match bench.device.has(Capability::GeometryShader) {
+        true => "beams.accumulate=geometry",
+        false => "beams.accumulate=vertices",
+    };
+    bench.note("hulls", way);
+    let set = [BEAMS.set, &[way]].concat();
+    flat_water(bench, &Way { set: &set, ..BEAMS })
 }
 
 /// The pool without its water: the lamp shines straight on the floor.
 fn direct(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     let mut scene = flat_pool()?;
     scene.instances.retain(|instance| instance.name != "water");
+    scene.cameras.iter_mut().for_each(|camera| camera.medium = scene.lights[0].medium);
     let none = Way { kind: TechniqueKind::None, set: &[], samples: 16, energy: 0.0, noise: 0.0, balance: 0.0 };
     let picture = render(bench, scene, &none, SIZE)?;
     bench.note("tier", &picture.stats.tier);
@@ -187,7 +208,7 @@ fn direct(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     compare(bench, &layer(&picture, "direct")?, radiance, 0.002, 0.005)
 }
 
-fn ledger(bench: &mut Bench<'_>, way: &Way) -> Result<(), CaseError> {
+fn ledger(bench: &mut Bench<'_>, way: &Way<'_>) -> Result<(), CaseError> {
     let picture = render(bench, waves()?, &Way { samples: 1, ..*way }, (8, 6))?;
     bench.note("tier", &picture.stats.tier);
     let entries = &picture.stats.ledger;

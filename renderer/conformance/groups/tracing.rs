@@ -308,8 +308,11 @@ fn watertight(bench: &mut Bench<'_>, backends: &[Backend]) -> Result<(), CaseErr
     Ok(())
 }
 
-/// Weights of vertices may be off by this: an error of place in triangles a hundred times smaller than the scene.
-const WEIGHTS: f64 = 1e-2;
+/// Weights of vertices may be off by this: an error of place in triangles a hundred times smaller than the scene. 5e-4 is what
+/// both trees and lavapipe's ray queries are off.
+const WEIGHTS: f64 = 2e-3;
+/// And t, in units of ten roundings: 0.04 is what they are off.
+const DEPTH: f64 = 2.0;
 
 fn barycentrics(bench: &mut Bench<'_>, backends: &[Backend]) -> Result<(), CaseError> {
     let surfaces = [
@@ -336,7 +339,7 @@ fn barycentrics(bench: &mut Bench<'_>, backends: &[Backend]) -> Result<(), CaseE
             }
             let who = format!("{name} by {}", backend.name());
             bench.at_most(&format!("distance from the triangle named, {who}"), beside, WEIGHTS, "of its height");
-            bench.at_most(&format!("t, {who}"), off, SLOPE, "of ten roundings");
+            bench.at_most(&format!("t, {who}"), off, DEPTH, "of ten roundings");
             bench.at_most(&format!("barycentrics, {who}"), weights, WEIGHTS, "");
         }
     }

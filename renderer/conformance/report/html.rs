@@ -19,8 +19,8 @@ pub fn html(report: &Report) -> String {
         escaped(&device.name)
     );
     head(&mut page, report);
-    table(&mut page, report);
     failures(&mut page, report);
+    table(&mut page, report);
     pictures(&mut page, report);
     measurements(&mut page, report);
     page.push_str("</main>\n</body>\n</html>\n");
@@ -137,12 +137,8 @@ fn failures(page: &mut String, report: &Report) {
             let _ = writeln!(page, "<p>{}</p>", escaped(&run.reason));
         }
         if let Some(known) = &run.known {
-            let _ = writeln!(
-                page,
-                "<p>The ledger: {} Upstream: {}</p>",
-                escaped(&known.reason),
-                escaped(&known.upstream)
-            );
+            let _ =
+                writeln!(page, "<p>The ledger: {} Upstream: {}</p>", escaped(&known.reason), escaped(&known.upstream));
         }
         checks(page, run, true);
         let _ = writeln!(page, "<p>Again: <code>{}</code></p></section>", escaped(&run.rerun));
@@ -190,7 +186,11 @@ fn pictures(page: &mut String, report: &Report) {
                     "<div><img alt=\"{what}\" width=\"{}\" height=\"{}\" src=\"data:image/png;base64,{data}\"><span>{what}{}</span></div>",
                     picture.width,
                     picture.height,
-                    if what == "error" { format!(", full colours: {}", number(picture.scale.into())) } else { String::new() }
+                    if what == "error" {
+                        format!(", full colours: {}", number(picture.scale.into()))
+                    } else {
+                        String::new()
+                    }
                 );
             }
             page.push_str("</div></figure>\n");

@@ -52,7 +52,9 @@ fn suite(xml: &mut String, report: &Report, name: &str, runs: &[&Run]) {
     );
     xml.push_str("    <properties>\n");
     let device = &report.device;
-    for (key, value) in [("device", &device.name), ("driver", &device.driver), ("driver version", &device.driver_version)] {
+    for (key, value) in
+        [("device", &device.name), ("driver", &device.driver), ("driver version", &device.driver_version)]
+    {
         let _ = writeln!(xml, "      <property name=\"{key}\" value=\"{}\"/>", escaped(value));
     }
     xml.push_str("    </properties>\n");
@@ -78,7 +80,11 @@ fn case(xml: &mut String, suite: &str, run: &Run) {
             format!("<skipped message=\"expected failure: {}\"/>", escaped(known))
         }
         Outcome::Fail | Outcome::UnexpectedPass => {
-            format!("<failure message=\"{reason}\" type=\"{}\">{}</failure>", run.outcome.name(), escaped(&details(run)))
+            format!(
+                "<failure message=\"{reason}\" type=\"{}\">{}</failure>",
+                run.outcome.name(),
+                escaped(&details(run))
+            )
         }
         Outcome::Crash | Outcome::Timeout => {
             format!("<error message=\"{reason}\" type=\"{}\">{}</error>", run.outcome.name(), escaped(&details(run)))

@@ -47,5 +47,12 @@ pub fn summary(report: &Report) -> String {
     let parts: Vec<String> =
         counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
     let device = &report.device;
-    format!("{}, {} {}\n{}, in {:.0} s", device.name, device.driver, device.driver_version, parts.join(", "), report.seconds)
+    format!(
+        "{}, {} {}\n{}, in {:.0} s",
+        device.name,
+        device.driver,
+        device.driver_version,
+        parts.join(", "),
+        report.seconds
+    )
 }
