@@ -278,8 +278,13 @@ impl Bounds {
 impl Scene {
     /// What holds every instance.
     pub fn bounds(&self) -> Bounds {
+        self.bounds_of(|_| true)
+    }
+
+    /// What holds the instances that are wanted.
+    pub fn bounds_of(&self, wanted: impl Fn(&Instance) -> bool) -> Bounds {
         let mut bounds = Bounds::EMPTY;
-        for instance in &self.instances {
+        for instance in self.instances.iter().filter(|instance| wanted(instance)) {
             for &position in &self.meshes[instance.mesh].positions {
                 bounds.include(instance.transform.transform_point3(position));
             }

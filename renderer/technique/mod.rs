@@ -29,6 +29,8 @@ pub enum TechniqueKind {
     Beams,
     /// Cascaded image-space photon tracing: light followed over what lights and the camera see, without rays.
     Photons,
+    /// Wave fronts in a grid: optical paths and light behind a refracting surface, looked up by what it falls on.
+    Eikonal,
 }
 
 impl TechniqueKind {
@@ -38,6 +40,7 @@ impl TechniqueKind {
         TechniqueKind::Mnee,
         TechniqueKind::Beams,
         TechniqueKind::Photons,
+        TechniqueKind::Eikonal,
     ];
 
     /// The name of the Rust file, the kernel folder, the command-line value and the GPU label.
@@ -48,6 +51,7 @@ impl TechniqueKind {
             TechniqueKind::Mnee => "mnee",
             TechniqueKind::Beams => "beams",
             TechniqueKind::Photons => "photons",
+            TechniqueKind::Eikonal => "eikonal",
         }
     }
 
@@ -64,7 +68,7 @@ impl TechniqueKind {
         match self {
             TechniqueKind::None | TechniqueKind::Reference => false,
             TechniqueKind::Mnee => settings.choice("rest") == "off",
-            TechniqueKind::Beams => true,
+            TechniqueKind::Beams | TechniqueKind::Eikonal => true,
             TechniqueKind::Photons => settings.choice("denoise") != photons::DENOISE_TEMPORAL,
         }
     }
@@ -77,6 +81,7 @@ impl TechniqueKind {
             TechniqueKind::Mnee => mnee::SETTINGS,
             TechniqueKind::Beams => beams::SETTINGS,
             TechniqueKind::Photons => photons::SETTINGS,
+            TechniqueKind::Eikonal => eikonal::SETTINGS,
         }
     }
 }
@@ -166,5 +171,6 @@ pub fn create(
         TechniqueKind::Mnee => Ok(Some(Box::new(mnee::Mnee::new(settings, context)?))),
         TechniqueKind::Beams => Ok(Some(Box::new(beams::Beams::new(settings, context)?))),
         TechniqueKind::Photons => Ok(Some(Box::new(photons::Photons::new(settings, context)?))),
+        TechniqueKind::Eikonal => Ok(Some(Box::new(eikonal::Eikonal::new(settings, context)?))),
     }
 }

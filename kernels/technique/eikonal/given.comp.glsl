@@ -10,6 +10,14 @@ bool wanted(int cell) {
 
 void meet(EikonalVolume volume, Facet f, int cell, vec3 to, float bound) {
     if (bound > uintBitsToFloat(values[cell])) return;
-    float value = path_through(volume.source, f.corner[0], f.corner[1], f.corner[2], f.normal, to, volume.grid.index).value;
+    EikonalPath path = path_through(volume.source, f.corner[0], f.corner[1], f.corner[2], f.normal, to, volume.grid.index);
+    // Where the surface lies nearer to the light, more of the way is below it; where light crosses it makes no difference to
+    // the first order.
+    vec3 way = way_at(volume.source, path.at);
+    float straight = -dot(way, f.lit);
+    float index = volume.grid.index;
+    float ahead = sqrt(max(index * index - dot(way, way) + straight * straight, 0.0));
+    float value = path.value + bulge_at(f, path.at) * (ahead - straight);
+    if (volume.source.kind == SOURCE_SURFACE) value = max(value, 0.0);
     if (value >= 0.0 && value < UNKNOWN) atomicMin(values[cell], floatBitsToUint(value));
 }

@@ -47,3 +47,13 @@ vec3 turn_to_cells(EikonalGrid grid, vec3 world) {
     vec3 at = vec3(world[grid.axes.x], world[grid.axes.y], world[grid.axes.z]);
     return grid.backward != 0u ? vec3(at.xy, -at.z) : at;
 }
+
+// The other way round from turn_to_cells.
+vec3 turn_to_world(EikonalGrid grid, vec3 at) {
+    if (grid.backward != 0u) at.z = -at.z;
+    vec3 world;
+    world[grid.axes.x] = at.x;
+    world[grid.axes.y] = at.y;
+    world[grid.axes.z] = at.z;
+    return world;
+}

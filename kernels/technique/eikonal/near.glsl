@@ -43,6 +43,7 @@ void main() {
     float reach = float(volume.band) + 0.25;
     vec2 last = vec2(grid.cells.xy) - 1.0;
     if (any(lessThan(upper.xy, vec2(-3.0 * reach - MARGIN))) || any(greaterThan(lower.xy, last + 3.0 * reach + MARGIN))) return;
+    float bulge = 2.0 * volume.grid.index * most_bulge(f);
     bool steep = abs(f.to_light.z) < STEEP;
     vec2 drift = steep ? vec2(0.0) : drift_of(volume, f, middle) * reach;
     vec2 around = vec2(steep ? reach + 1.0 : MARGIN);
@@ -68,7 +69,7 @@ void main() {
                 vec3 rise = way_here + grid.index * away / max(far, 1e-20);
                 float bound = path_here + grid.index * far;
                 bound += min(min(dot(rise, f.corner[0] - middle), dot(rise, f.corner[1] - middle)), dot(rise, f.corner[2] - middle));
-                meet(volume, f, cell, to, bound - SLACK * (abs(bound) + far));
+                meet(volume, f, cell, to, bound - bulge - SLACK * (abs(bound) + far));
             }
         }
     }

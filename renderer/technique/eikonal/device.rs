@@ -85,10 +85,10 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
-    pub struct FlowPush {
-        pub sweep: EikonalSweep,
-        pub least: f32,
-        pub outward: u32,
+    /// See `kernels/technique/eikonal/light.comp.glsl`.
+    pub struct LightPush {
+        pub volume: u32,
+        pub runs: u32,
     }
 }
 
@@ -121,7 +121,18 @@ crate::gpu_struct! {
     }
 }
 
+crate::gpu_struct! {
+    /// See `kernels/technique/eikonal/gather.comp.glsl`.
+    pub struct GatherPush {
+        pub light: u32,
+        pub first: u32,
+        pub shadows: u32,
+        pub mapped: u32,
+    }
+}
+
 pub const LAYOUTS: &[Layout] = &[
+    GatherPush::LAYOUT,
     EikonalGrid::LAYOUT,
     EikonalSource::LAYOUT,
     EikonalVolume::LAYOUT,
@@ -130,7 +141,7 @@ pub const LAYOUTS: &[Layout] = &[
     EikonalSweep::LAYOUT,
     SweepPush::LAYOUT,
     SettlePush::LAYOUT,
-    FlowPush::LAYOUT,
+    LightPush::LAYOUT,
     CheckPush::LAYOUT,
     EikonalChecks::LAYOUT,
     DecidePush::LAYOUT,

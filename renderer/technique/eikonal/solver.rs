@@ -1,14 +1,23 @@
 //! The parallel solver: Godunov's differences, swept in the order in which light goes through the grid.
 
-use super::device::{CheckPush, DecidePush, EikonalChecks, EikonalGrid, EikonalSweep, FlowPush, SettlePush, SweepPush};
+use super::device::{CheckPush, DecidePush, EikonalChecks, EikonalGrid, EikonalSweep, SettlePush, SweepPush};
 use super::marching::Order;
 use crate::gpu::{Bindings, Buffer, Device, GpuError, Groups, Kernel, Recorder};
+
+/// How values come from their neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scheme {
+    /// Plane by plane, each cell along its light's way from between cells of the plane before.
+    Planes,
+    /// Differences against the wave, in sweeps.
+    Sweeps(Order),
+}
 
 /// How a wave is solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverOptions {
-    pub order: Order,
-    /// Rounds of further sweeps at most, while cells have not settled.
+    pub scheme: Scheme,
+    /// With sweeps, rounds of further ones at most, while cells have not settled.
     pub rounds: u32,
     /// Whether waves that come in by the grid's sides are as if the surface went on linearly there; else nothing comes in.
     pub linear: bool,
@@ -16,7 +25,7 @@ pub struct SolverOptions {
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        SolverOptions { order: Order::Second, rounds: 1, linear: true }
+        SolverOptions { scheme: Scheme::Planes, rounds: 1, linear: true }
     }
 }
 
@@ -40,8 +49,6 @@ const ASKS: f32 = 1e-5;
 const ROUNDING: f32 = 1.2e-7;
 /// Of what a block is visited for, the change that its neighbours are visited for.
 const PASSED_ON: f32 = 0.5;
-/// Of a cell's light, the change that its neighbours are visited for.
-const LIGHT_PASSED_ON: f32 = 1e-4;
 /// Planes that an invocation goes through, as in the kernels.
 pub(super) const BLOCK: u32 = 4;
 /// Bits of [`EikonalSweep::options`].
@@ -52,10 +59,10 @@ const BACKWARD: u32 = 4;
 const ROUND: [u32; 4] = [0, 1, 2, 3];
 
 pub struct Solver {
+    plane: Kernel,
     sweep: Kernel,
     settle: Kernel,
     check: Kernel,
-    flow: Kernel,
     decide: Kernel,
     sums: Buffer,
 }
@@ -63,16 +70,16 @@ pub struct Solver {
 impl Solver {
     pub fn new(device: &Device) -> Result<Self, GpuError> {
         Ok(Solver {
+            plane: Kernel::new(device, "eikonal/plane", "")?,
             sweep: Kernel::new(device, "eikonal/sweep", "")?,
             settle: Kernel::new(device, "eikonal/settle", "")?,
             check: Kernel::new(device, "eikonal/check", "")?,
-            flow: Kernel::new(device, "eikonal/flow", "")?,
             decide: Kernel::new(device, "eikonal/decide", "")?,
             sums: Buffer::zeroed(device, "eikonal checks", size_of::<EikonalChecks>() as u64)?,
         })
     }
 
-    /// Records sweeps over the values of `grid`. `bindings` hold `EikonalSides` and `EikonalAsked`, which
+    /// Records how the values of `grid` are found. `bindings` hold `EikonalSides` and `EikonalAsked`, which
     /// [`Volume`](super::Volume) makes, and `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be
     /// found, [`OUTSIDE`](super::device::OUTSIDE), or not less than 0 with the sign bit set where given. `foot`: the column
     /// from which light spreads.
@@ -86,6 +93,12 @@ impl Solver {
     ) -> Result<(), GpuError> {
         let sweep = sweep_of(grid, foot, options);
         let [u, v, planes] = grid.cells;
+        if options.scheme == Scheme::Planes {
+            let pushes = (1..planes).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
+            let groups = Groups::of(&self.plane, u * v);
+            recorder.pass("eikonal/plane")?.dispatch_in_turn(&self.plane, &[bindings], pushes, groups)?;
+            return Ok(());
+        }
         let blocks = planes.div_ceil(BLOCK);
         let pushes = (0..blocks + farthest(grid, foot)).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
         let groups = Groups::of(&self.sweep, 2 * u * blocks);
@@ -105,35 +118,6 @@ impl Solver {
             let groups = Groups::From(&self.sums, GROUPS_OFFSET);
             recorder.pass("eikonal/settle")?.dispatch_in_turn(&self.settle, &[&own], pushes, groups)?;
         }
-        Ok(())
-    }
-
-    /// Records the way of light along the wave in `EikonalValues`, marks and all, from given cells to the others of
-    /// `EikonalLights`, which are 0 before; `EikonalAsked` holds 1 everywhere.
-    pub fn record_flow(
-        &self,
-        recorder: &mut Recorder,
-        bindings: &Bindings,
-        grid: &EikonalGrid,
-        foot: [i32; 2],
-        options: &SolverOptions,
-    ) -> Result<(), GpuError> {
-        let sweep = sweep_of(grid, foot, options);
-        let [u, v, planes] = grid.cells;
-        let blocks = planes.div_ceil(BLOCK);
-        let push = |turn, options, outward| {
-            let sweep = EikonalSweep { turn, options, ..sweep };
-            FlowPush { sweep, least: LIGHT_PASSED_ON, outward }
-        };
-        let outward = (0..blocks + farthest(grid, foot)).map(|turn| push(turn, sweep.options, 1));
-        let groups = Groups::of(&self.flow, 2 * u * blocks);
-        recorder.pass("eikonal/flow")?.dispatch_in_turn(&self.flow, &[bindings], outward, groups)?;
-        let across = ROUND.into_iter().flat_map(|backward| {
-            let options = sweep.options + backward * BACKWARD;
-            (0..blocks + u + v - 2).map(move |turn| push(turn, options, 0))
-        });
-        let groups = Groups::of(&self.flow, u * blocks);
-        recorder.pass("eikonal/flow_across")?.dispatch_in_turn(&self.flow, &[bindings], across, groups)?;
         Ok(())
     }
 
@@ -188,7 +172,7 @@ fn asks(grid: &EikonalGrid) -> f32 {
 }
 
 fn sweep_of(grid: &EikonalGrid, foot: [i32; 2], options: &SolverOptions) -> EikonalSweep {
-    let second = if options.order == Order::Second { SECOND } else { 0 };
+    let second = if options.scheme == Scheme::Sweeps(Order::Second) { SECOND } else { 0 };
     let linear = if options.linear { LINEAR } else { 0 };
     EikonalSweep {
         cells: grid.cells,
