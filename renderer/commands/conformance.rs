@@ -44,6 +44,9 @@ pub struct ConformanceArgs {
     /// Tiers to run on, with commas between them [default: all that the device offers]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tier_names())]
     pub tier: Vec<String>,
+    /// Leave cases out on tiers where nothing that they use differs from the full tier
+    #[arg(long)]
+    pub quick: bool,
     /// List the cases and what they check, and run nothing
     #[arg(long)]
     pub list: bool,
@@ -231,6 +234,7 @@ fn plan(args: &ConformanceArgs, device: DeviceInfo) -> Result<Plan, ConformanceE
         program: std::env::current_exe().map_err(ConformanceError::Program)?,
         tiers,
         cases: chosen(args)?,
+        quick: args.quick,
         limit: Duration::from_secs(args.time_limit),
         ledgers: ledgers(args)?,
         pictures: args.html.is_some(),

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::faults::Fault;
 use super::{ConformancePush, Tier};
-use crate::gpu::{Bindings, Buffer, Capability, Device, GpuError, Kernel, Recorder};
+use crate::gpu::{Bindings, Buffer, Capabilities, Capability, Device, GpuError, Kernel, Recorder};
 use crate::image::{Mask, RgbImage, heatmap, png, tone};
 use crate::render::RenderError;
 use crate::scene::SceneError;
@@ -19,7 +19,7 @@ pub struct Case {
     pub about: &'static str,
     /// Capabilities without which it makes no sense.
     pub needs: &'static [Capability],
-    /// Further capabilities that its outcome may depend on: it runs on tiers that lack one of these too.
+    /// Further capabilities that its outcome may depend on: quick runs have it on tiers that lack one of these too.
     pub minds: &'static [Capability],
     /// The faults that it is there to find.
     pub catches: &'static [Fault],
@@ -32,15 +32,16 @@ impl Case {
         format!("{}.{}", self.group, self.name)
     }
 
-    /// Why it does not run on a tier of a device that has `offered`, if so.
-    pub fn skipped(&self, tier: Tier, offered: &crate::gpu::Capabilities) -> Option<String> {
+    /// Why it does not run on a tier of a device that has `offered`, if so. `quick`: nor where nothing that it uses differs
+    /// from the full tier.
+    pub fn skipped(&self, tier: Tier, offered: &Capabilities, quick: bool) -> Option<String> {
         let left = offered.without(&tier.disabled());
         if let Some(missing) = self.needs.iter().find(|c| !left.has(**c)) {
             let who = if offered.has(*missing) { "tier" } else { "driver" };
             return Some(format!("the {who} lacks {}", missing.name()));
         }
         let differs = |c: &&Capability| offered.has(**c) && !left.has(**c);
-        let alike = !tier.is_full() && !tier.is_compute() && !self.minds.iter().any(|c| differs(&c));
+        let alike = quick && !tier.is_full() && !tier.is_compute() && !self.minds.iter().any(|c| differs(&c));
         alike.then(|| "as on the full tier: it uses nothing of what is disabled".to_string())
     }
 }

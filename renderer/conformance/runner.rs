@@ -25,6 +25,8 @@ pub struct Plan {
     pub tiers: Vec<Tier>,
     /// In this order, on one tier after the other.
     pub cases: Vec<&'static Case>,
+    /// Leave cases out on tiers where nothing that they use differs from the full one.
+    pub quick: bool,
     /// Of one case.
     pub limit: Duration,
     pub ledgers: Vec<Ledger>,
@@ -65,7 +67,7 @@ pub fn run(plan: &Plan, mut seen: impl FnMut(&Run)) -> Result<Report, RunnerErro
         // A group is a child's work: what one group leaves behind in a driver does not meet the next.
         let mut groups: Vec<(&str, VecDeque<&'static Case>)> = Vec::new();
         for &case in &plan.cases {
-            if let Some(reason) = case.skipped(tier, &plan.device.capabilities) {
+            if let Some(reason) = case.skipped(tier, &plan.device.capabilities, plan.quick) {
                 add(case, Err(reason), 0.0);
                 continue;
             }
@@ -136,7 +138,7 @@ fn run_child(
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
-    let status = child.wait().ok();
+    let status = reap(&mut child, plan.limit);
     // A child may also die while it puts things away after its last case: that is the last case's crash, but it has answered.
     if let Some(case) = cases.pop_front() {
         let words = errors.join().unwrap_or_default();
@@ -198,6 +200,19 @@ fn end(child: &mut Child) {
     // It may have ended by itself meanwhile.
     let _ = child.kill();
     let _ = child.wait();
+}
+
+/// How a child ended that says nothing more; one that does not end by itself is ended.
+fn reap(child: &mut Child, limit: Duration) -> Option<ExitStatus> {
+    let silent = Instant::now();
+    while silent.elapsed() < limit {
+        match child.try_wait() {
+            Ok(None) => thread::sleep(Duration::from_millis(5)),
+            ended => return ended.ok().flatten(),
+        }
+    }
+    end(child);
+    None
 }
 
 fn describe(status: Option<ExitStatus>) -> String {

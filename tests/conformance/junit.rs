@@ -89,33 +89,17 @@ type Rule = (&'static [&'static str], &'static [&'static str], &'static [&'stati
 
 fn rule(name: &str) -> Option<Rule> {
     Some(match name {
-        "testsuites" => (&[], &["name", "time", "tests", "failures", "disabled", "errors"], &["testsuite"]),
+        "testsuites" => (&[], &["name", "time", "tests", "failures", "errors"], &["testsuite"]),
         "testsuite" => (
-            &["name", "tests"],
-            &[
-                "failures",
-                "errors",
-                "time",
-                "disabled",
-                "skipped",
-                "timestamp",
-                "hostname",
-                "id",
-                "package",
-                "file",
-                "log",
-                "url",
-                "version",
-            ],
+            &["name", "tests", "failures", "errors"],
+            &["group", "time", "skipped", "timestamp", "hostname", "id", "package", "file", "log", "url"],
             &["properties", "testcase", "testsuite", "system-out", "system-err"],
         ),
         "properties" => (&[], &[], &["property"]),
         "property" => (&["name", "value"], &[], &[]),
-        "testcase" => (
-            &["name"],
-            &["classname", "status", "time", "assertions", "file", "line", "group", "class"],
-            &["skipped", "error", "failure", "system-out", "system-err", "properties"],
-        ),
+        "testcase" => {
+            (&["name"], &["time", "classname", "group"], &["skipped", "error", "failure", "system-out", "system-err"])
+        }
         "failure" | "error" | "skipped" => (&[], &["type", "message"], &[]),
         "system-out" | "system-err" => (&[], &[], &[]),
         _ => return None,

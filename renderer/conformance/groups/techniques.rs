@@ -12,8 +12,8 @@ use crate::scene::{self, Scene};
 use crate::technique::TechniqueKind;
 use crate::trace::TraceChoice;
 
-/// Whatever picks an implementation for a stage of these.
-const MINDS: &[Capability] = &[Capability::RayQuery, Capability::Graphics, Capability::PreciseRaster];
+/// Whatever picks an implementation for a stage of these: rays, and what camera and lights see.
+const MINDS: &[Capability] = &[Capability::RayQuery, Capability::PreciseRaster];
 
 const FLAT: &str = "light on the floor under flat water against Snell's law and Fresnel's equations";
 const LEDGER: &str = "every watt that the lamp sends out is booked, through waves, and none is no number";
@@ -46,6 +46,7 @@ pub(super) const CASES: &[Case] = &[
     },
     case("photons", "flat_water", FLAT, |bench| flat_water(bench, &PHOTONS)),
     case("photons", "ledger", LEDGER, |bench| ledger(bench, &PHOTONS)),
+    case("eikonal", "flat_water", FLAT, |bench| flat_water(bench, &EIKONAL)),
 ];
 
 /// A technique, and what it is held to.
@@ -92,6 +93,16 @@ const PHOTONS: Way<'_> = Way {
     energy: 0.01,
     noise: 0.25,
     balance: 1e-4,
+};
+
+/// What cells of 15 cm and more leave of smooth light.
+const EIKONAL: Way<'_> = Way {
+    kind: TechniqueKind::Eikonal,
+    set: &["eikonal.resolution=64"],
+    samples: 4,
+    energy: 0.01,
+    noise: 0.02,
+    balance: 0.0,
 };
 
 const SIZE: (u32, u32) = (32, 24);

@@ -112,8 +112,7 @@ fn table(page: &mut String, report: &Report) {
         page.push_str("</tr>\n");
     }
     page.push_str(
-        "</tbody></table></div>\n<p class=\"hint\">A dash is a case that was not run there: the tier lacks what it needs, or \
-         nothing that it uses differs from the full tier. Point at a cell for the reason.</p>\n",
+        "</tbody></table></div>\n<p class=\"hint\">A dash is a case that was not run there. Point at a cell for the reason.</p>\n",
     );
 }
 

@@ -87,12 +87,8 @@ impl Technique for Eikonal {
             self.record_volumes(frame, recorder)?;
         }
         for (at, LitVolume { light, volume }) in self.volumes.iter().enumerate() {
-            let push = GatherPush {
-                light: *light,
-                first: u32::from(at == 0),
-                shadows: u32::from(self.shadows),
-                mapped: 0,
-            };
+            let push =
+                GatherPush { light: *light, first: u32::from(at == 0), shadows: u32::from(self.shadows), mapped: 0 };
             let bindings = [&frame.bindings, &volume.bindings];
             recorder.pass("eikonal/gather")?.dispatch(&self.gather, &bindings, &push, frame.slots())?;
         }
@@ -113,7 +109,8 @@ impl Technique for Eikonal {
     fn warnings(&self) -> Result<Vec<String>, GpuError> {
         if self.volumes.is_empty() {
             return Ok(vec![
-                "no light shines through a refracting surface on anything, so eikonal finds no caustic light".to_string(),
+                "no light shines through a refracting surface on anything, so eikonal finds no caustic light"
+                    .to_string(),
             ]);
         }
         Ok(Vec::new())
