@@ -5,6 +5,9 @@
 layout(points) in;
 layout(triangle_strip, max_vertices = 144) out;
 
+// With all members of the block that is there by default, a vertex would have three components more.
+out gl_PerVertex { vec4 gl_Position; };
+
 layout(location = 0) flat in uint point[];
 layout(location = 0) flat out uint id;
 layout(location = 1) out vec2 weights;

@@ -96,7 +96,8 @@ fn drivers_do_what_the_ledger_says() {
         let all: Vec<String> = CASES.iter().copied().flatten().map(|case| case.id()).collect();
         let wanted =
             all.iter().map(String::as_str).filter(|id| !left_out.contains(id) && !id.starts_with("self_check"));
-        let run = Outcome::of(&["--device", &index, "--filter", &filter(wanted), "--quick", "--verbose"]);
+        let run =
+            Outcome::of(&["--device", &index, "--filter", &filter(wanted), "--quick", "--validation", "--verbose"]);
         assert_eq!(run.status, Some(0), "{name}:\n{}", run.text);
         assert!(run.report["summary"]["pass"].as_u64() > Some(30), "{name}:\n{}", run.text);
         let offered = run.report["device"]["capabilities"].as_array().unwrap().len();
@@ -268,7 +269,10 @@ fn wrong_usage_and_trouble_have_their_statuses() {
     }
     let list = text(&nephroid(&["--list"]));
     assert!(list.lines().count() > 50 && list.contains("\nbvh.masks ") && !list.contains("self_check"), "{list}");
-    assert!(text(&nephroid(&["--list", "--filter", "watertight"])).lines().count() == 2);
+    assert_eq!(text(&nephroid(&["--list", "--filter", "watertight"])).lines().count(), 2);
+    for technique in ["reference", "mnee", "beams", "photons", "eikonal"] {
+        assert!(list.contains(&format!("\n{technique}.flat_water ")), "{technique} has no case in\n{list}");
+    }
 }
 
 /// Every fault is found by every case that names it; without it those pass, by the first test.

@@ -39,7 +39,7 @@ pub(super) const CASES: &[Case] = &[
         group: "beams",
         name: "hulls",
         about: "the same light by hulls that are drawn, from a geometry stage or else from a kernel",
-        needs: &[Capability::Graphics],
+        needs: super::GRAPHICS,
         minds: &[Capability::GeometryShader],
         catches: &[],
         run: hulls,
@@ -199,8 +199,9 @@ fn hulls(bench: &mut Bench<'_>) -> Result<(), CaseError> {
         false => "beams.accumulate=vertices",
     };
     bench.note("hulls", way);
-    let set = [BEAMS.set, &[way]].concat();
-    flat_water(bench, &Way { set: &set, ..BEAMS })
+    // A pixel's footprint on a surface is looked for in tiles however volumes are drawn; points are drawn.
+    let set = [BEAMS.set, &["beams.footprint=point", way]].concat();
+    flat_water(bench, &Way { set: &set, samples: 4, ..BEAMS })
 }
 
 /// The pool without its water: the lamp shines straight on the floor.
