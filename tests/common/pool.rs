@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use nephroid::conformance::closed_forms::under_direction;
+#[allow(unused_imports, reason = "each test binary uses its part")]
 pub use nephroid::conformance::closed_forms::{flat_water_irradiance, floor_point, refracted_light};
 use nephroid::scene::{self, Scene};
 

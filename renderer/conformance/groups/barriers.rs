@@ -134,7 +134,7 @@ fn copy(bench: &mut Bench<'_>) -> Result<(), CaseError> {
         }
     }
     recorder.submit()?;
-    let expected: Vec<u32> = (0..ROUNDS * WORDS).map(|i| mix_bits(i % WORDS ^ i / WORDS)).collect();
+    let expected: Vec<u32> = (0..ROUNDS * WORDS).map(|i| mix_bits((i % WORDS) ^ (i / WORDS))).collect();
     bench.equal("words seen", &seen.read::<u32>((ROUNDS * WORDS) as usize)?, &expected);
     Ok(())
 }

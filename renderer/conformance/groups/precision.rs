@@ -55,15 +55,17 @@ fn operands() -> Vec<[f32; 4]> {
     };
     let quad = |i: usize| {
         let (x, y) = if i % 4 < 2 { (number(-1, 1), number(-1, 1)) } else { (number(-20, 20), number(-20, 20)) };
-        let z = if i % 2 == 0 { -x * y } else { number(-1, 1) };
+        let z = if i.is_multiple_of(2) { -x * y } else { number(-1, 1) };
         let w = if i % 4 == 1 { x * y / z } else { number(-3, 2) };
         [x, y, z, w]
     };
     (0..OPERANDS).map(quad).collect()
 }
 
-/// The operands, and what the kernel made of each quad.
-fn results(bench: &Bench<'_>) -> Result<(Vec<[f32; 4]>, Vec<[f32; RESULTS]>), CaseError> {
+/// Quads of operands, and what the kernel made of each.
+type Answers = (Vec<[f32; 4]>, Vec<[f32; RESULTS]>);
+
+fn results(bench: &Bench<'_>) -> Result<Answers, CaseError> {
     let operands = operands();
     let input = Buffer::from_slice(bench.device, "operands", &operands)?;
     let output = bench.words("results", (OPERANDS * RESULTS) as u32)?;
@@ -174,6 +176,9 @@ fn contraction(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     Ok(())
 }
 
+/// What a comparison of two numbers should say.
+type Answer = fn(f32, f32) -> bool;
+
 fn comparisons(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     let special = [
         0.0,
@@ -195,7 +200,7 @@ fn comparisons(bench: &mut Bench<'_>) -> Result<(), CaseError> {
     let bindings = Bindings::new().buffer("Operands", &input).buffer("Gathered", &output);
     bench.run("compare", &bindings, pairs.len() as u32, [0; 3])?;
     let said: Vec<u32> = output.read(pairs.len())?;
-    let questions: [(&str, fn(f32, f32) -> bool); 10] = [
+    let questions: [(&str, Answer); 10] = [
         ("x < y", |x, y| x < y),
         ("x <= y", |x, y| x <= y),
         ("x > y", |x, y| x > y),
