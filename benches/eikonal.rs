@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench eikonal` solves `scenes/pool.toml` in cubes of 64, 128 and 256 cells a side, like the paper's, and
 //! prints milliseconds by the clock and of the CPU. `--cells`, `--order`, `--scene`, `--repeat`, `--device`, `--marching yes`
-//! (fast marching too, with its differences) change that. Writes `target/bench/eikonal.json`.
+//! (fast marching too, with its differences) change that. `--part wave` measures the scalar wave instead, which is let go in time
+//! with the light, or with `--start at-once` as the paper does. Writes `target/bench/eikonal.json` or `eikonal_wave.json`.
 
 #[path = "report/mod.rs"]
 mod report;
@@ -16,7 +17,9 @@ use nephroid::gpu::{Device, DeviceRequest, Recorder};
 use nephroid::gpu_scene::GpuScene;
 use nephroid::scene::{self, Scene};
 use nephroid::technique::eikonal::marching::{Order, march};
-use nephroid::technique::eikonal::{Grid, Kernels, SolverOptions, Volume, VolumeOptions};
+use nephroid::technique::eikonal::{
+    Grid, Kernels, SolverOptions, Start, Volume, VolumeOptions, Wave, WaveKernels, WaveOptions,
+};
 
 struct Options {
     scene: PathBuf,
@@ -24,7 +27,21 @@ struct Options {
     order: Order,
     repeat: u32,
     marching: bool,
+    wave: Option<Start>,
     device: DeviceRequest,
+}
+
+#[derive(serde::Serialize)]
+struct WaveRow {
+    cells: u32,
+    /// Milliseconds, the least of all runs: what the wave starts from, and the wave.
+    before: f64,
+    wave: f64,
+    /// CPU-milliseconds of the wave, a run.
+    cpu: f64,
+    steps: u32,
+    /// Of all blocks, those that a step goes through.
+    part: f64,
 }
 
 #[derive(serde::Serialize)]
@@ -44,6 +61,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options(std::env::args().skip(1))?;
     let scene = scene::load(&options.scene)?;
     let device = Device::open(&options.device)?;
+    if let Some(start) = options.wave {
+        return waves(&options, &scene, &device, start);
+    }
     println!("{}, {}, {:?} order", device.info.name, options.scene.display(), options.order);
     println!("| cells | given, ms | wave, ms | CPU-ms | worst, cells | unsettled | marching, ms |");
     println!("|---|---|---|---|---|---|---|");
@@ -60,8 +80,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     report::write("eikonal", serde_json::json!({ "device": device.info.name, "rows": rows }))
 }
 
-fn measure(options: &Options, scene: &Scene, device: &Device, cells: u32) -> Result<Row, Box<dyn Error>> {
-    // A cube from the surface to under the floor, in the middle of the pool.
+/// A cube from the surface to under the floor, in the middle of the pool.
+fn volume_of(options: &Options, scene: &Scene, device: &Device, cells: u32) -> Result<Volume, Box<dyn Error>> {
     let bounds = scene.bounds();
     let depth = 2.0f64.max(f64::from(bounds.max.y - bounds.min.y));
     let cell = depth * 1.1 / f64::from(cells);
@@ -69,7 +89,55 @@ fn measure(options: &Options, scene: &Scene, device: &Device, cells: u32) -> Res
     let grid = Grid { lower, cell, cells: [cells; 3] };
     let solver = SolverOptions { order: options.order, ..SolverOptions::default() };
     let volume_options = VolumeOptions { grid: Some(grid), solver, ..VolumeOptions::default() };
-    let volume = Volume::new(device, scene, 0, &volume_options)?.ok_or("the scene has no refracting surface")?;
+    Ok(Volume::new(device, scene, 0, &volume_options)?.ok_or("the scene has no refracting surface")?)
+}
+
+fn waves(options: &Options, scene: &Scene, device: &Device, start: Start) -> Result<(), Box<dyn Error>> {
+    println!("{}, {}, {start:?}", device.info.name, options.scene.display());
+    println!("| cells | before, ms | wave, ms | CPU-ms | steps | blocks a step |");
+    println!("|---|---|---|---|---|---|");
+    let mut rows = Vec::new();
+    for &cells in &options.cells {
+        let row = measure_wave(options, scene, device, cells, start)?;
+        let WaveRow { before, wave, cpu, steps, part, .. } = row;
+        println!("| {cells}^3 | {before:.1} | {wave:.1} | {cpu:.0} | {steps} | {:.1} % |", 100.0 * part);
+        rows.push(row);
+    }
+    report::write("eikonal_wave", serde_json::json!({ "device": device.info.name, "rows": rows }))
+}
+
+fn measure_wave(
+    options: &Options,
+    scene: &Scene,
+    device: &Device,
+    cells: u32,
+    start: Start,
+) -> Result<WaveRow, Box<dyn Error>> {
+    let volume = volume_of(options, scene, device, cells)?;
+    let gpu_scene = GpuScene::new(device, scene)?;
+    let (kernels, wave_kernels) = (Kernels::new(device)?, WaveKernels::new(device)?);
+    let wave = Wave::new(device, &volume, &WaveOptions { start, ..WaveOptions::default() })?;
+    let (mut before, mut through, mut cpu) = (f64::INFINITY, f64::INFINITY, 0.0);
+    for _ in 0..options.repeat {
+        let started = Instant::now();
+        let mut recorder = Recorder::new(device)?;
+        wave.record_before(&mut recorder, &gpu_scene.bindings, &volume, &kernels)?;
+        recorder.submit()?;
+        before = before.min(started.elapsed().as_secs_f64() * 1e3);
+        let (started, spent) = (Instant::now(), cpu_seconds());
+        let mut recorder = Recorder::new(device)?;
+        wave.record_through(&mut recorder, &wave_kernels)?;
+        recorder.submit()?;
+        through = through.min(started.elapsed().as_secs_f64() * 1e3);
+        cpu += (cpu_seconds() - spent) * 1e3 / f64::from(options.repeat);
+    }
+    let stepped = wave.stepped()?;
+    Ok(WaveRow { cells, before, wave: through, cpu, steps: stepped.steps, part: stepped.part })
+}
+
+fn measure(options: &Options, scene: &Scene, device: &Device, cells: u32) -> Result<Row, Box<dyn Error>> {
+    let volume = volume_of(options, scene, device, cells)?;
+    let grid = volume.grid;
     let gpu_scene = GpuScene::new(device, scene)?;
     let kernels = Kernels::new(device)?;
     let (mut given, mut wave) = (f64::INFINITY, f64::INFINITY);
@@ -118,6 +186,7 @@ fn options(arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn E
         order: Order::Second,
         repeat: 3,
         marching: false,
+        wave: None,
         device: DeviceRequest::default(),
     };
     let mut arguments = arguments.filter(|argument| argument != "--bench");
@@ -129,6 +198,8 @@ fn options(arguments: impl Iterator<Item = String>) -> Result<Options, Box<dyn E
             "--order" => options.order = if value == "1" { Order::First } else { Order::Second },
             "--repeat" => options.repeat = value.parse()?,
             "--marching" => options.marching = value == "yes",
+            "--part" if value == "wave" => options.wave = options.wave.or(Some(Start::InTime)),
+            "--start" if value == "at-once" => options.wave = Some(Start::AtOnce),
             "--device" => options.device.device = Some(value),
             _ => return Err(format!("there is no option {name}").into()),
         }

@@ -32,6 +32,7 @@ pub fn layouts() -> Vec<Layout> {
     all.extend(technique::mnee::layouts());
     all.extend(technique::beams::layouts());
     all.extend(technique::eikonal::device::LAYOUTS);
+    all.extend(technique::eikonal::wave::device::LAYOUTS);
     all.extend(technique::photons::LAYOUTS);
     all.extend(taa::LAYOUTS);
     all.extend(trace::LAYOUTS);

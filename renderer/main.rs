@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "viewer")]
 use nephroid::commands::view;
-use nephroid::commands::{animate, compare, conformance, devices, render, shell};
+use nephroid::commands::{animate, compare, conformance, devices, render, shell, volume};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -32,6 +32,7 @@ enum Command {
     #[cfg(feature = "viewer")]
     View(Box<view::ViewArgs>),
     Compare(compare::CompareArgs),
+    Volume(Box<volume::VolumeArgs>),
     Devices(devices::DevicesArgs),
     Conformance(Box<conformance::ConformanceArgs>),
     Completions(shell::CompletionsArgs),
@@ -58,6 +59,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::View(args) => return Ok(view::run(&args)?),
         Command::Conformance(args) => return Ok(conformance::run(&args)?),
         Command::Compare(args) => compare::run(&args)?,
+        Command::Volume(args) => volume::run(&args)?,
         Command::Devices(args) => devices::run(&args)?,
         Command::Completions(args) => shell::completions(&args, Cli::command())?,
         Command::Man(args) => shell::man(&args, Cli::command())?,

@@ -322,7 +322,7 @@ impl Renderer {
     }
 
     /// The bands anew, without samples; none where one of them fails.
-    fn make_bands(&mut self) -> Result<(), GpuError> {
+    fn make_bands(&mut self) -> Result<(), RenderError> {
         let _span = spans::span("make pipelines");
         self.bands.clear();
         self.begin();
@@ -343,7 +343,7 @@ impl Renderer {
         View { seed: self.own_seed(), ..View::new(&self.camera, &self.scene.film, self.size, band).of(&self.scene) }
     }
 
-    fn band(&self, band: Band) -> Result<BandState, GpuError> {
+    fn band(&self, band: Band) -> Result<BandState, RenderError> {
         let view = self.view(band);
         let mut frame = Frame::new(&self.device, &self.gpu_scene, &self.tracer, &view, self.sampling)?;
         frame.jitter_by(self.jitter());

@@ -6,7 +6,7 @@ use nephroid::scene::adjacency::Adjacency;
 use nephroid::scene::animation::WaterMotion;
 use nephroid::scene::{Emitter, Instance, Scene, Surface, load, parse};
 
-const SHIPPED: [&str; 12] = [
+const SHIPPED: [&str; 14] = [
     "flat_water",
     "pool",
     "turbid_pool",
@@ -19,6 +19,8 @@ const SHIPPED: [&str; 12] = [
     "cornell_flooded",
     "cup",
     "hall",
+    "bump_pool",
+    "buried_in_sand",
 ];
 
 /// Half a unit in the last of the eight digits that the pool's reference mesh was written with, and one of f32.
@@ -152,7 +154,8 @@ fn what_has_moving_water_moves_and_begins_as_it_is_loaded() {
     for name in SHIPPED {
         let mut scene = shipped(name);
         let animation = scene.animation.clone();
-        assert_eq!(animation.moves(), ["pool", "turbid_pool", "lagoon", "ripples", "hall"].contains(&name), "{name}");
+        let moving = ["pool", "turbid_pool", "lagoon", "ripples", "hall", "bump_pool", "buried_in_sand"];
+        assert_eq!(animation.moves(), moving.contains(&name), "{name}");
         let loaded = scene.clone();
         animation.pose(&mut scene, 3.7);
         animation.pose(&mut scene, animation.time(0));
@@ -203,6 +206,47 @@ fn the_ripples_are_simulated_in_few_steps() {
     let seconds = animation.time(animation.frames.unwrap());
     // Three drops by name, and three of rain a second.
     assert_eq!((seconds, simulation.drops_between(&water.field, 0.0, seconds).len()), (8.0, 27));
+}
+
+#[test]
+fn the_bump_focuses_its_lamp_on_the_floor() {
+    let scene = shipped("bump_pool");
+    let water = &scene.animation.waters[0].field;
+    let [bump] = water.bumps.as_slice() else { panic!() };
+    let Emitter::Point { position, .. } = scene.lights[0].emitter else { panic!() };
+    let index = f64::from(scene.media[1].index);
+    // A surface of that curvature images the lamp by n / image = (n - 1) curvature - 1 / distance.
+    let curvature = bump.height / (bump.radius * bump.radius);
+    let top = water.base + bump.height;
+    let image = index / ((index - 1.0) * curvature - 1.0 / (f64::from(position.y) - top));
+    let floor = scene.meshes[instance(&scene, "floor").mesh].positions[0].y;
+    let depth = top - f64::from(floor);
+    assert!((image / depth - 1.0).abs() < 0.1, "{image} m for {depth} m");
+}
+
+#[test]
+fn what_is_buried_in_sand_is_half_under_it() {
+    let scene = shipped("buried_in_sand");
+    let sand = instance(&scene, "sand");
+    let ground: Vec<glam::Vec3> =
+        (scene.meshes[sand.mesh].positions.iter()).map(|&p| sand.transform.transform_point3(p)).collect();
+    // Of the sand's vertices the one nearest to a place is some millimetres off it.
+    let height = |at: glam::Vec3| {
+        let off = |p: &glam::Vec3| (p.x - at.x).powi(2) + (p.z - at.z).powi(2);
+        ground.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(f32::NAN, |p| p.y)
+    };
+    for name in ["skull", "statue", "chest"] {
+        let thing = instance(&scene, name);
+        let positions = &scene.meshes[thing.mesh].positions;
+        let places: Vec<glam::Vec3> = positions
+            .iter()
+            .step_by(positions.len().div_ceil(200))
+            .map(|&p| thing.transform.transform_point3(p))
+            .collect();
+        let under = places.iter().filter(|&&at| at.y < height(at)).count() as f32 / places.len() as f32;
+        assert!((0.2..0.75).contains(&under), "{name}: {under}");
+        assert!(places.iter().all(|at| at.y < -0.05), "{name} looks out of the water");
+    }
 }
 
 #[test]

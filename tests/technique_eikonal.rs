@@ -5,8 +5,12 @@ mod closed;
 mod common;
 #[path = "technique_eikonal/light.rs"]
 mod light;
+#[path = "technique_eikonal/picture.rs"]
+mod picture;
 #[path = "technique_eikonal/solver.rs"]
 mod solver;
+#[path = "technique_eikonal/wave.rs"]
+mod wave;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,7 +21,8 @@ use nephroid::gpu::{Device, Recorder};
 use nephroid::gpu_scene::GpuScene;
 use nephroid::scene::shapes::{self, Vertex};
 use nephroid::scene::{self, Emitter, Scene};
-use nephroid::technique::eikonal::{Grid, Kernels, Volume, VolumeOptions};
+use nephroid::technique::eikonal::marching::Order;
+use nephroid::technique::eikonal::{Grid, Kernels, Scheme, SolverOptions, Volume, VolumeOptions};
 
 const WATER: f64 = 1.33;
 
@@ -26,6 +31,8 @@ fn main() -> ExitCode {
     let cases = vec![
         case("the_first_order_is_fast_marching", solver::first as fn(&Request)),
         case("the_second_order_is_fast_marching", solver::second),
+        case("planes_are_near_fast_marching", solver::planes),
+        case("marching_on_the_host_is_fast_marching", solver::on_the_host),
         case("equal_scenes_give_equal_waves", solver::equal_bits),
         case("what_is_given_is_the_closed_form", closed::given),
         case("planes_are_exact_to_the_edges", closed::planes),
@@ -34,6 +41,20 @@ fn main() -> ExitCode {
         case("flat_water_is_lit_evenly", light::flat),
         case("a_lamp_lights_flat_water", light::lamp),
         case("a_cap_gathers_light", light::cap),
+        case("light_in_a_plane_is_what_came_in", light::conserved),
+        case("waves_in_planes_keep_all_light", light::spread),
+        case("the_laplacian_is_that_of_a_cap", light::laplacian),
+        case("flat_water_shows_the_closed_form", picture::flat_water),
+        case("shadows_and_absorption_are_those_of_mnee", picture::shadows),
+        case("the_pool_is_the_truth", picture::pool),
+        case("tracing_tiers_agree", picture::tiers),
+        case("a_file_gives_the_same_picture", picture::stored),
+        case("a_file_of_another_scene_is_refused", picture::refused),
+        case("a_wave_under_flat_water_is_even", wave::flat),
+        case("a_wave_goes_a_cell_in_a_step", wave::speed),
+        case("a_wave_through_a_cap_has_its_most_near_the_focus", wave::focus),
+        case("a_signed_sum_has_no_most_below_the_surface", wave::signed),
+        case("equal_scenes_give_equal_sums", wave::equal_bits),
     ];
     common::run(cases.leak())
 }
@@ -53,6 +74,14 @@ fn water(emitter: Emitter, size: f64, quads: u32, height: impl Fn(DVec2) -> f64)
     scene.lights[0].emitter = emitter;
     scene
 }
+
+/// A solver's options.
+fn solver(scheme: Scheme) -> SolverOptions {
+    SolverOptions { scheme, ..SolverOptions::default() }
+}
+
+/// All that there are on devices, without the host's.
+const SCHEMES: [Scheme; 3] = [Scheme::Planes, Scheme::Sweeps(Order::First), Scheme::Sweeps(Order::Second)];
 
 /// A cube of cells, 4 m wide, whose top is 0.5 m above the water.
 fn cube(cells: u32) -> Grid {
@@ -89,7 +118,7 @@ impl Rig {
         values.into_iter().zip(given).map(start).collect()
     }
 
-    /// The wave, the marks still there.
+    /// The wave.
     fn wave(&self) -> Vec<f64> {
         self.run(|recorder| self.volume.record_given(recorder, &self.scene.bindings, &self.kernels).unwrap());
         self.run(|recorder| self.volume.record_wave(recorder, &self.kernels).unwrap());

@@ -16,5 +16,6 @@ pub mod shell;
 mod trace_file;
 #[cfg(feature = "viewer")]
 pub mod view;
+pub mod volume;
 
 pub use error::PictureError;

@@ -1,5 +1,7 @@
 //! One command buffer, recorded as named passes: the name is the debug label, the timestamp and the barrier.
 
+mod turns;
+
 use std::any::Any;
 use std::sync::Arc;
 use std::time::Instant;

@@ -2,7 +2,8 @@
 
 use super::MAX_SIDE;
 use crate::gpu::GpuError;
-use crate::technique::TechniqueError;
+use crate::technique::eikonal::file::VolumeFileError;
+use crate::technique::{CreateError, TechniqueError};
 use crate::trace::TraceError;
 
 /// Why a picture cannot be rendered.
@@ -14,6 +15,8 @@ pub enum RenderError {
     Trace(#[from] TraceError),
     #[error(transparent)]
     Technique(#[from] TechniqueError),
+    #[error(transparent)]
+    Volumes(#[from] VolumeFileError),
     #[error("{scene} has no camera \"{found}\"; it has: {allowed}")]
     UnknownCamera { scene: String, found: String, allowed: String },
     #[error("the picture is {width} x {height} pixels; allowed are 1 to {MAX_SIDE} each way")]
@@ -32,4 +35,13 @@ pub enum RenderError {
          settings does not"
     )]
     NotAdaptive { technique: &'static str },
+}
+
+impl From<CreateError> for RenderError {
+    fn from(error: CreateError) -> Self {
+        match error {
+            CreateError::Gpu(error) => error.into(),
+            CreateError::Volumes(error) => error.into(),
+        }
+    }
 }

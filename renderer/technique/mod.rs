@@ -159,12 +159,21 @@ pub trait Technique {
     }
 }
 
+/// Why a technique could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum CreateError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Volumes(#[from] eikonal::file::VolumeFileError),
+}
+
 /// The one place where a technique is made from its name.
 pub fn create(
     kind: TechniqueKind,
     settings: &Settings,
     context: &Context<'_>,
-) -> Result<Option<Box<dyn Technique>>, GpuError> {
+) -> Result<Option<Box<dyn Technique>>, CreateError> {
     match kind {
         TechniqueKind::None => Ok(None),
         TechniqueKind::Reference => Ok(Some(Box::new(reference::Reference::new(settings, context)?))),

@@ -17,9 +17,17 @@ pub struct Setting {
 /// The values that a setting takes.
 #[derive(Debug, Clone, Copy)]
 pub enum SettingKind {
-    Integer { min: i64, max: i64 },
-    Number { min: f64, max: f64 },
+    Integer {
+        min: i64,
+        max: i64,
+    },
+    Number {
+        min: f64,
+        max: f64,
+    },
     Choice(&'static [&'static str]),
+    /// The name of a file, from the working directory.
+    File,
 }
 
 impl SettingKind {
@@ -29,6 +37,7 @@ impl SettingKind {
             SettingKind::Integer { min, max } => format!("an integer from {min} to {max}"),
             SettingKind::Number { min, max } => format!("a number from {min} to {max}"),
             SettingKind::Choice(values) => format!("one of {}", values.join(", ")),
+            SettingKind::File => "the name of a file".to_string(),
         }
     }
 
@@ -38,6 +47,7 @@ impl SettingKind {
             SettingKind::Integer { min, max } => value.parse::<i64>().is_ok_and(|v| (*min..=*max).contains(&v)),
             SettingKind::Number { min, max } => value.parse::<f64>().is_ok_and(|v| (*min..=*max).contains(&v)),
             SettingKind::Choice(values) => values.contains(&value),
+            SettingKind::File => !value.is_empty(),
         }
     }
 }
@@ -152,7 +162,7 @@ mod tests {
     #[test]
     fn the_readme_has_every_setting_with_its_default() {
         let readme = include_str!("../../README.md");
-        for kind in [TechniqueKind::Reference, TechniqueKind::Beams, TechniqueKind::Photons] {
+        for kind in [TechniqueKind::Reference, TechniqueKind::Beams, TechniqueKind::Photons, TechniqueKind::Eikonal] {
             let heading = format!("### Settings of `{}`", kind.name());
             let section = readme.split(&heading).nth(1).and_then(|rest| rest.split("\n#").next()).unwrap();
             let rows: Vec<Vec<&str>> = section.lines().map(|line| line.split('|').map(str::trim).collect()).collect();

@@ -22,26 +22,20 @@ void main() {
     ivec2 column = column_of(index, sweep.cells.x);
     int block = int((float(column.y) + 0.5) / float(sweep.cells.y));
     column.y -= block * int(sweep.cells.y);
-    int plane = block * BLOCK;
-    int end = min(plane + BLOCK, int(sweep.cells.z));
-    int cell = sweep.first + column.x * sweep.strides.x + column.y * sweep.strides.y + plane * sweep.strides.z;
-    vec2 before = vec2(UNKNOWN);
-    if (plane > 0) before.x = value_at(cell - sweep.strides.z);
-    if (plane > 1) before.y = value_at(cell - 2 * sweep.strides.z);
+    BlockWalk walk = walk_block(sweep, column, block);
     uint unsettled = 0u;
     uint unreached = 0u;
     float worst = 0.0;
-    for (; plane < end; plane++) {
-        uint known = values[cell];
+    while (walk.plane < walk.end) {
+        uint known = values[walk.cell];
         float value = abs(uintBitsToFloat(known));
-        if ((known & GIVEN) == 0u && known != floatBitsToUint(OUTSIDE)) {
-            float off = abs(updated(sweep, ivec3(column, plane), cell, before).value - value) / sweep.step;
+        if (open_cell(known)) {
+            float off = abs(updated(sweep, ivec3(column, walk.plane), walk.cell, walk.before).value - value) / sweep.step;
             worst = max(worst, off);
             if (value >= UNKNOWN) unreached++;
             if (!(off <= push.tolerance)) unsettled++;
         }
-        before = vec2(value, before.x);
-        cell += sweep.strides.z;
+        step_on(sweep, walk, value);
     }
     bool again = worst > push.asks;
     asked[index] = again ? 1u : 0u;

@@ -18,6 +18,8 @@ const float OUTSIDE = 3.0e38;
 const float WANTED = 2.0e30;
 // No value yet.
 const float UNKNOWN = 1.0e30;
+// In place of light: not known.
+const float UNLIT = -1.0e30;
 // Sign bit of a value that is given and stays.
 const uint GIVEN = 0x80000000u;
 

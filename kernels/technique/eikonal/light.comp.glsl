@@ -68,9 +68,9 @@ Origin origin_of(EikonalVolume volume, ivec3 at) {
 }
 
 // Irradiance across the light's way over what the light sends, from the corners in turn: over W/sr in 1/m2, over W/m2 a number.
-// Less than 0 where it is not known.
+// UNLIT where it is not known.
 float light_between(EikonalVolume volume, Origin a, Origin b, Origin c, Origin d) {
-    if (!(a.known && b.known && c.known && d.known)) return -1.0;
+    if (!(a.known && b.known && c.known && d.known)) return UNLIT;
     vec3 area = 0.5 * cross(c.place - a.place, d.place - b.place);
     vec3 across = volume.source.kind == SOURCE_POINT ? a.place + b.place + c.place + d.place : volume.source.place;
     if (volume.source.kind == SOURCE_SURFACE) across = turn_to_world(volume.grid, vec3(0.0, 0.0, 1.0));
@@ -78,7 +78,7 @@ float light_between(EikonalVolume volume, Origin a, Origin b, Origin c, Origin d
     float passed = 0.25 * (a.passed + b.passed + c.passed + d.passed);
     float ahead = 0.25 * (a.ahead + b.ahead + c.ahead + d.ahead);
     float light = sent * passed / (volume.grid.cell * volume.grid.cell * max(ahead, 0.05));
-    return all_finite(vec3(light)) ? light : -1.0;
+    return all_finite(vec3(light)) ? light : UNLIT;
 }
 
 void main() {

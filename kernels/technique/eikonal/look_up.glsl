@@ -1,5 +1,5 @@
-// What a volume says of a place between its cells. The kernel that includes this declares the buffers `values` (without marks)
-// and `cell_lights`.
+// What a volume says of a place between its cells. The kernel that includes this declares the buffers `values` and
+// `cell_lights`.
 #include "technique/eikonal/slopes.glsl"
 
 struct LookUp {
@@ -30,17 +30,17 @@ bool inside(EikonalGrid grid, ivec3 cell) {
 }
 
 // Trilinear over what is known around.
-bool look_up_at(EikonalGrid grid, vec3 at, out LookUp found) {
+bool look_up_at(EikonalGrid grid, vec3 at, bool staggered, out LookUp found) {
     vec3 rise = vec3(0.0);
     vec2 light = vec2(0.0); // and its weight
-    // Light is between cells, see light.comp.glsl.
-    vec3 between = clamp(at - vec3(0.5, 0.5, 0.0), vec3(0.0), max(vec3(grid.cells) - vec3(2.0, 2.0, 1.0), 0.0));
+    vec3 between = at;
+    if (staggered) between = clamp(at - vec3(0.5, 0.5, 0.0), vec3(0.0), max(vec3(grid.cells) - vec3(2.0, 2.0, 1.0), 0.0));
     for (int i = 0; i < 8; i++) {
         Corner corner = corner_of(at, i);
         float here = corner.weight > 0.0 ? wave_at(grid, corner.cell) : UNKNOWN;
         if (here < UNKNOWN) rise += corner.weight * rise_at_cell(grid, corner.cell, here);
         corner = corner_of(between, i);
-        float lit = corner.weight > 0.0 && inside(grid, corner.cell) ? cell_lights[cell_index(grid, corner.cell)] : -1.0;
+        float lit = corner.weight > 0.0 && inside(grid, corner.cell) ? cell_lights[cell_index(grid, corner.cell)] : UNLIT;
         if (lit >= 0.0) light += corner.weight * vec2(lit, 1.0);
     }
     float steep = length(rise);
@@ -48,7 +48,8 @@ bool look_up_at(EikonalGrid grid, vec3 at, out LookUp found) {
     return light.y > 0.0 && steep > 0.0;
 }
 
-LookUp look_up(EikonalGrid grid, vec3 world) {
+// Light is in cells or, `staggered`, between them as light.comp.glsl leaves it.
+LookUp look_up(EikonalGrid grid, vec3 world, bool staggered) {
     LookUp found = LookUp(vec3(0.0), 0.0);
     vec3 at = to_cells(grid, world);
     vec3 last = vec3(grid.cells) - 1.0;
@@ -56,7 +57,7 @@ LookUp look_up(EikonalGrid grid, vec3 world) {
     vec3 beside = abs(at - nearest);
     if (max(max(beside.x, beside.y), beside.z) > BESIDE) return found;
     for (int i = 0; i <= DEEPER; i++) {
-        if (look_up_at(grid, min(nearest + vec3(0.0, 0.0, float(i)), last), found)) return found;
+        if (look_up_at(grid, min(nearest + vec3(0.0, 0.0, float(i)), last), staggered, found)) return found;
     }
     return LookUp(vec3(0.0), 0.0);
 }

@@ -8,6 +8,7 @@ layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
 #include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/blocks.glsl"
 #include "technique/eikonal/fold.glsl"
+#include "technique/eikonal/values.glsl"
 
 layout(push_constant) uniform SweepPush {
     EikonalSweep sweep; // its turn is the plane
@@ -18,7 +19,7 @@ layout(push_constant) uniform SweepPush {
 const int ROUNDS = 2;
 
 float before_at(int cell) {
-    return min(abs(uintBitsToFloat(values[cell])), UNKNOWN);
+    return min(value_at(cell), UNKNOWN);
 }
 
 float before_at(ivec2 column) {
@@ -26,23 +27,23 @@ float before_at(ivec2 column) {
     return before_at(sweep.first + column.x * sweep.strides.x + column.y * sweep.strides.y + (int(sweep.turn) - 1) * sweep.strides.z);
 }
 
-// Beyond the grid's sides the wave goes on as it rises there, or is unknown.
-float extended_before_at(ivec2 column) {
+// One cell beyond the grid's sides the wave goes on as bent as it is there: only for what lies between cells that are there.
+float bent_before_at(ivec2 column) {
     ivec2 last = ivec2(push.sweep.cells.xy) - 1;
     ivec2 nearest = clamp(column, ivec2(0), last);
     float value = before_at(nearest);
     if (nearest == column || value >= UNKNOWN) return value;
-    if ((push.sweep.options & SWEEP_LINEAR) == 0u) return UNKNOWN;
     for (int axis = 0; axis < 2; axis++) {
         int beyond = column[axis] - nearest[axis];
-        if (beyond == 0 || last[axis] == 0) continue;
-        ivec2 inner = nearest;
-        inner[axis] -= sign(beyond);
-        float behind = before_at(inner);
-        if (behind >= UNKNOWN) return UNKNOWN;
-        value += float(abs(beyond)) * (before_at(nearest) - behind);
+        if (beyond == 0 || last[axis] < 2) continue;
+        ivec2 near = nearest;
+        ivec2 far = nearest;
+        near[axis] -= beyond;
+        far[axis] -= 2 * beyond;
+        float rise = before_at(nearest) - before_at(near);
+        value += 2.0 * rise - (before_at(near) - before_at(far));
     }
-    return value;
+    return value < 0.5 * UNKNOWN ? value : UNKNOWN;
 }
 
 // Value and slope between the middle two of four in a row, `part` of the way.
@@ -64,18 +65,22 @@ vec4 row_before(ivec2 first) {
         return vec4(before_at(cell), before_at(cell + sweep.strides.x), before_at(cell + 2 * sweep.strides.x),
                     before_at(cell + 3 * sweep.strides.x));
     }
-    return vec4(extended_before_at(first), extended_before_at(first + ivec2(1, 0)), extended_before_at(first + ivec2(2, 0)),
-                extended_before_at(first + ivec2(3, 0)));
+    return vec4(bent_before_at(first), bent_before_at(first + ivec2(1, 0)), bent_before_at(first + ivec2(2, 0)),
+                bent_before_at(first + ivec2(3, 0)));
 }
 
 float most_of(vec4 a) {
     return max(max(a.x, a.y), max(a.z, a.w));
 }
 
-// Value and slopes along u and v at a place in the plane before; UNKNOWN where cells around it are. Written out row by row:
-// llvmpipe takes long over indexed vectors.
-vec3 wave_before(vec2 place) {
-    vec2 low = floor(place);
+// Value and slopes along u and v at a place in the plane before; UNKNOWN where cells around it are. Beyond the grid's sides the
+// wave goes on straight, or is unknown. Written out row by row: llvmpipe takes long over indexed vectors.
+vec3 wave_before(vec2 wanted) {
+    vec2 last = vec2(push.sweep.cells.xy) - 1.0;
+    vec2 place = clamp(wanted, vec2(0.0), last);
+    vec2 beyond = wanted - place;
+    if (beyond != vec2(0.0) && (push.sweep.options & SWEEP_LINEAR) == 0u) return vec3(UNKNOWN, 0.0, 0.0);
+    vec2 low = min(floor(place), max(last - 1.0, vec2(0.0)));
     vec2 part = place - low;
     ivec2 first = ivec2(low) - 1;
     vec4 a = row_before(first);
@@ -86,12 +91,14 @@ vec3 wave_before(vec2 place) {
         vec2 on_b = between(b, part.x);
         vec2 on_c = between(c, part.x);
         vec2 along = between(vec4(between(a, part.x).x, on_b.x, on_c.x, between(d, part.x).x), part.y);
-        return vec3(along.x, mix(on_b.y, on_c.y, part.y), along.y);
+        vec2 slope = vec2(mix(on_b.y, on_c.y, part.y), along.y);
+        return vec3(along.x + dot(slope, beyond), slope);
     }
     vec4 corner = vec4(b.yz, c.yz);
     if (most_of(corner) >= UNKNOWN) return vec3(UNKNOWN, 0.0, 0.0);
     vec2 rows = mix(corner.xz, corner.yw, part.x);
-    return vec3(mix(rows.x, rows.y, part.y), mix(corner.y - corner.x, corner.w - corner.z, part.y), rows.y - rows.x);
+    vec2 slope = vec2(mix(corner.y - corner.x, corner.w - corner.z, part.y), rows.y - rows.x);
+    return vec3(mix(rows.x, rows.y, part.y) + dot(slope, beyond), slope);
 }
 
 // From a cell back to the plane before, in cells, along a wave of that slope.
@@ -110,16 +117,16 @@ void main() {
     if (index >= sweep.cells.x * sweep.cells.y) return;
     ivec2 column = column_of(index, sweep.cells.x);
     int cell = sweep.first + column.x * sweep.strides.x + column.y * sweep.strides.y + int(sweep.turn) * sweep.strides.z;
-    uint known = values[cell];
-    if ((known & GIVEN) != 0u || known == floatBitsToUint(OUTSIDE)) return;
+    if (!open_cell(values[cell])) return;
 
+    ivec2 last = ivec2(sweep.cells.xy) - 1;
     // Where the plane before says that light comes from, unless it comes from a cell further off than those around.
     vec4 u = row_before(column + ivec2(-1, 0));
-    vec2 v = vec2(extended_before_at(column - ivec2(0, 1)), extended_before_at(column + ivec2(0, 1)));
+    vec2 v = vec2(bent_before_at(column - ivec2(0, 1)), bent_before_at(column + ivec2(0, 1)));
     bool smooth_here = max(most_of(vec4(u.xz, v)), u.y) < UNKNOWN;
     vec2 from = vec2(column);
     if (smooth_here) from -= clamp(way_back(0.5 * vec2(u.z - u.x, v.y - v.x)), -8.0, 8.0);
-    ivec2 nearest = ivec2(round(from));
+    ivec2 nearest = clamp(ivec2(round(from)), min(ivec2(1), last), max(last - 1, ivec2(0)));
     vec4 a = row_before(nearest + ivec2(-1, -1));
     vec4 b = row_before(nearest + ivec2(-1, 0));
     vec4 c = row_before(nearest + ivec2(-1, 1));

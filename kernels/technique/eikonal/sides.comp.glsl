@@ -7,18 +7,11 @@ layout(set = 3, binding = 4, std430) writeonly buffer EikonalSides { float sides
 
 #include "technique/eikonal/volume.glsl"
 #include "technique/eikonal/sides.glsl"
+#include "technique/eikonal/values.glsl"
 
 layout(push_constant) uniform EikonalPush {
     uint volume;
 } push;
-
-bool given(int cell) {
-    return (values[cell] & GIVEN) != 0u;
-}
-
-float value_at(int cell) {
-    return abs(uintBitsToFloat(values[cell]));
-}
 
 void main() {
     EikonalGrid grid = volumes[push.volume].grid;

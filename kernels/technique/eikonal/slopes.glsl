@@ -1,9 +1,10 @@
-// How a wave rises from cell to cell. The kernel that includes this declares the buffer `values`, without marks.
+// How a wave rises from cell to cell. The kernel that includes this declares the buffer `values` of floats; their
+// marks are looked through.
 #include "technique/eikonal/fold.glsl"
 
 float wave_at(EikonalGrid grid, ivec3 at) {
     bool there = all(greaterThanEqual(at, ivec3(0))) && all(lessThan(at, ivec3(grid.cells)));
-    return there ? values[cell_index(grid, at)] : UNKNOWN;
+    return there ? abs(values[cell_index(grid, at)]) : UNKNOWN;
 }
 
 // Of fourth order; beside a fold and where cells are missing, of second from the side that is smooth.

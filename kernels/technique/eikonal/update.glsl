@@ -3,9 +3,32 @@
 #include "technique/eikonal/godunov.glsl"
 #include "technique/eikonal/sides.glsl"
 #include "technique/eikonal/blocks.glsl"
+#include "technique/eikonal/values.glsl"
 
-float value_at(int cell) {
-    return abs(uintBitsToFloat(values[cell]));
+// The cells of a block in a column, one after the other.
+struct BlockWalk {
+    int plane;
+    int end;
+    int cell;
+    vec2 before; // values one and two planes before
+};
+
+BlockWalk walk_block(EikonalSweep sweep, ivec2 column, int block) {
+    BlockWalk walk;
+    walk.plane = block * BLOCK;
+    walk.end = min(walk.plane + BLOCK, int(sweep.cells.z));
+    walk.cell = sweep.first + column.x * sweep.strides.x + column.y * sweep.strides.y + walk.plane * sweep.strides.z;
+    walk.before = vec2(UNKNOWN);
+    if (walk.plane > 0) walk.before.x = value_at(walk.cell - sweep.strides.z);
+    if (walk.plane > 1) walk.before.y = value_at(walk.cell - 2 * sweep.strides.z);
+    return walk;
+}
+
+// `value`: what the cell has now.
+void step_on(EikonalSweep sweep, inout BlockWalk walk, float value) {
+    walk.before = vec2(value, walk.before.x);
+    walk.cell += sweep.strides.z;
+    walk.plane++;
 }
 
 // Along an axis: an upwind neighbour, which side it is on, and what it counts for.

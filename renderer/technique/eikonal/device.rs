@@ -93,6 +93,27 @@ crate::gpu_struct! {
 }
 
 crate::gpu_struct! {
+    /// See `kernels/technique/eikonal/curve.comp.glsl`.
+    pub struct CurvePush {
+        pub volume: u32,
+        pub base: f32,
+        pub gain: f32,
+        pub power: f32,
+    }
+}
+
+crate::gpu_struct! {
+    /// See `kernels/technique/eikonal/spread.comp.glsl`.
+    pub struct SpreadPush {
+        pub volume: u32,
+        pub step: u32,
+        pub first: f32,
+        pub slope: f32,
+        pub last: u32,
+    }
+}
+
+crate::gpu_struct! {
     pub struct CheckPush {
         pub sweep: EikonalSweep,
         pub tolerance: f32,
@@ -127,7 +148,7 @@ crate::gpu_struct! {
         pub light: u32,
         pub first: u32,
         pub shadows: u32,
-        pub mapped: u32,
+        pub unit: u32,
     }
 }
 
@@ -142,6 +163,8 @@ pub const LAYOUTS: &[Layout] = &[
     SweepPush::LAYOUT,
     SettlePush::LAYOUT,
     LightPush::LAYOUT,
+    CurvePush::LAYOUT,
+    SpreadPush::LAYOUT,
     CheckPush::LAYOUT,
     EikonalChecks::LAYOUT,
     DecidePush::LAYOUT,
@@ -151,6 +174,8 @@ pub const LAYOUTS: &[Layout] = &[
 pub const OUTSIDE: f32 = 3e38;
 /// In place of a value: none yet.
 pub const UNKNOWN: f32 = 1e30;
+/// In place of light: not known.
+pub const UNLIT: f32 = -1e30;
 
 impl EikonalGrid {
     /// `grid` in planes that a wave along `way` goes through one after the other, in a medium of that index.

@@ -42,6 +42,15 @@ fn march_labels(grid: &Grid, cost: impl Fn(usize) -> f64, start: &Start, labels:
 /// The paper's initial values: each cell that vertices fall into has the distance of the nearest of them to its middle, in
 /// metres (erratum 17: this is where its noise comes from).
 pub fn snap(grid: &Grid, vertices: impl IntoIterator<Item = DVec3>) -> BTreeMap<usize, f64> {
+    snap_by(grid, vertices, |vertex, centre| vertex.distance(centre))
+}
+
+/// As [`snap`], with the least of what `value` says of vertices and the middle of their cell.
+pub fn snap_by(
+    grid: &Grid,
+    vertices: impl IntoIterator<Item = DVec3>,
+    value: impl Fn(DVec3, DVec3) -> f64,
+) -> BTreeMap<usize, f64> {
     let mut found = BTreeMap::new();
     for vertex in vertices {
         let at = ((vertex - grid.lower) / grid.cell).floor();
@@ -49,8 +58,8 @@ pub fn snap(grid: &Grid, vertices: impl IntoIterator<Item = DVec3>) -> BTreeMap<
             continue;
         }
         let place = at.as_uvec3().to_array();
-        let distance = vertex.distance(grid.centre(place));
-        found.entry(grid.index(place)).and_modify(|d: &mut f64| *d = d.min(distance)).or_insert(distance);
+        let value = value(vertex, grid.centre(place));
+        found.entry(grid.index(place)).and_modify(|d: &mut f64| *d = d.min(value)).or_insert(value);
     }
     found
 }

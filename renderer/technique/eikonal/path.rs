@@ -24,6 +24,14 @@ impl Source {
         }
     }
 
+    /// Of the medium that it comes through; 0 of the paper's.
+    pub fn index(&self) -> f64 {
+        match *self {
+            Source::Point { index, .. } | Source::Directional { index, .. } => index,
+            Source::Surface => 0.0,
+        }
+    }
+
     /// Its gradient at `at`.
     fn gradient(&self, at: DVec3) -> DVec3 {
         match *self {

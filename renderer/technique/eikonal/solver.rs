@@ -11,6 +11,18 @@ pub enum Scheme {
     Planes,
     /// Differences against the wave, in sweeps.
     Sweeps(Order),
+    /// Fast marching, on the host, for comparison.
+    Marching(Marching),
+}
+
+/// The paper's method, with or without what it prints of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Marching {
+    pub order: Order,
+    /// Begins from the surface's vertices in their cells (Algorithm 1), which makes noise (erratum 17).
+    pub snapped: bool,
+    /// Finds the grid's sides first (Algorithm 2).
+    pub sides: bool,
 }
 
 /// How a wave is solved for.
@@ -79,7 +91,7 @@ impl Solver {
         })
     }
 
-    /// Records how the values of `grid` are found. `bindings` hold `EikonalSides` and `EikonalAsked`, which
+    /// Records how the values of `grid` are found, unless that is the host's. `bindings` hold `EikonalSides` and `EikonalAsked`, which
     /// [`Volume`](super::Volume) makes, and `EikonalValues`, one a cell: [`UNKNOWN`](super::device::UNKNOWN) where to be
     /// found, [`OUTSIDE`](super::device::OUTSIDE), or not less than 0 with the sign bit set where given. `foot`: the column
     /// from which light spreads.
@@ -97,6 +109,9 @@ impl Solver {
             let pushes = (1..planes).map(|turn| SweepPush { sweep: EikonalSweep { turn, ..sweep } });
             let groups = Groups::of(&self.plane, u * v);
             recorder.pass("eikonal/plane")?.dispatch_in_turn(&self.plane, &[bindings], pushes, groups)?;
+            return Ok(());
+        }
+        if matches!(options.scheme, Scheme::Marching(_)) {
             return Ok(());
         }
         let blocks = planes.div_ceil(BLOCK);

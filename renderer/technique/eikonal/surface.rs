@@ -76,6 +76,34 @@ impl RefractingSurface {
         (across - ahead * normal).as_vec3()
     }
 
+    /// Root mean squares over the surface of its slope against its mean plane, and of how much it turns along a line, 1/m.
+    pub fn roughness(&self, scene: &Scene) -> (f64, f64) {
+        let (mut slope, mut turn, mut total) = (0.0, 0.0, 0.0);
+        for instance in self.instances.iter().map(|&index| &scene.instances[index]) {
+            let mesh = &scene.meshes[instance.mesh];
+            let to_normal = instance.transform.matrix3.inverse().transpose();
+            for triangle in &mesh.triangles {
+                let at = triangle.map(|corner| instance.transform.transform_point3(mesh.positions[corner as usize]));
+                let normal = triangle.map(|corner| (to_normal * mesh.normals[corner as usize]).normalize_or_zero());
+                let area = f64::from((at[1] - at[0]).cross(at[2] - at[0]).length());
+                let cosines = normal.map(|n| f64::from(n.dot(self.normal).abs()).clamp(0.1, 1.0));
+                let edges = [(0, 1), (1, 2), (2, 0)];
+                let turns = edges.map(|(a, b)| {
+                    f64::from((normal[a] - normal[b]).length_squared() / (at[a] - at[b]).length_squared().max(1e-20))
+                });
+                slope += area * cosines.iter().map(|c| 1.0 / (c * c) - 1.0).sum::<f64>() / 3.0;
+                turn += area * turns.iter().sum::<f64>() / 3.0;
+                total += area;
+            }
+        }
+        if total > 0.0 { ((slope / total).sqrt(), (turn / total).sqrt()) } else { (0.0, 0.0) }
+    }
+
+    /// Of the middle of its extent, the coordinate along an axis of the world, m.
+    pub fn level(&self, axis: usize) -> f64 {
+        f64::from(0.5 * (self.bounds.min[axis] + self.bounds.max[axis]))
+    }
+
     /// Cells over what is to be lit below the surface, `resolution` along the longest side; `None` where there is nothing.
     /// With `before`, an earlier grid of the same light, cells are those of its lattice, so that they stay where they are
     /// while things move.

@@ -1,12 +1,14 @@
 //! One light's volume: where it is, what is given next to the surface, and what the wave makes of it.
 
 use super::Grid;
-use super::device::{EikonalGrid, EikonalPush, EikonalSource, EikonalVolume, FacetPush, LightPush, OUTSIDE, UNKNOWN};
-use super::path::Source;
-use super::solver::{BLOCK, Settled, Solver, SolverOptions};
-use super::surface::RefractingSurface;
-use crate::gpu::{Bindings, Buffer, Device, GpuError, Kernel, Recorder};
-use crate::scene::{Emitter, Light, MediumId, Scene};
+use super::device::{CurvePush, EikonalPush, EikonalVolume, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
+use super::file::{LightUnit, StoredVolume, VolumeHeader};
+use super::host;
+use super::plan::{Dissipation, Plan};
+use super::solver::{BLOCK, Scheme, Settled, Solver, SolverOptions};
+use super::wave::WaveOptions;
+use crate::gpu::{Bindings, Buffer, Device, GpuError, Groups, Kernel, Recorder};
+use crate::scene::Scene;
 
 /// What a volume is made by.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,21 +20,50 @@ pub struct VolumeOptions {
     /// The paper's infinite index: phi is the distance to the surface, in metres.
     pub infinite: bool,
     pub solver: SolverOptions,
+    pub intensity: Intensity,
+    /// Whether light spreads in planes below a depth.
+    pub spread: Option<Spread>,
+    /// A [`Wave`](super::Wave) is let through instead, which [`Wave::record`](super::Wave::record) does.
+    pub wave: Option<WaveOptions>,
+}
+
+/// How bright a cell is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Intensity {
+    /// Irradiance, of the light that goes along the wave (erratum 16).
+    Transport,
+    /// The paper's, from the wave's Laplacian (Eqs. 3 and 4): `base + gain x^power`, x in turns of the front a cell, over what
+    /// flat water would let through.
+    Laplacian { base: f32, gain: f32, power: f32 },
+}
+
+/// The paper's dissipation (section 3.3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Metres below the surface's middle height from which on light spreads; 0: where strong hollows of it focus.
+    pub threshold: f64,
+    /// Metres across, a metre on; 0: as light turns at the surface in the mean.
+    pub slope: f64,
 }
 
 impl Default for VolumeOptions {
     fn default() -> Self {
-        VolumeOptions { resolution: 128, grid: None, infinite: false, solver: SolverOptions::default() }
+        VolumeOptions {
+            resolution: 128,
+            grid: None,
+            infinite: false,
+            solver: SolverOptions::default(),
+            intensity: Intensity::Transport,
+            spread: None,
+            wave: None,
+        }
     }
 }
 
-/// Cells below the surface that are given: differences of second order reach as far, and so does what goes on beyond sides.
-const BAND: u32 = 2;
-/// Components of the light's mean way below which it comes in by neither of two sides.
-const UPRIGHT: f32 = 0.02;
-
 /// Quads that an invocation of `eikonal/light` goes through.
 const RUN: u32 = 8;
+/// Of a cell, the way of a wave in a step of `eikonal/spread`.
+const SPREAD_STEP: f32 = 0.5;
 
 pub struct Kernels {
     cross: Kernel,
@@ -42,7 +73,8 @@ pub struct Kernels {
     seal: Kernel,
     sides: Kernel,
     light: Kernel,
-    open: Kernel,
+    curve: Kernel,
+    spread: Kernel,
     pub solver: Solver,
 }
 
@@ -57,7 +89,8 @@ impl Kernels {
             seal: kernel("eikonal/seal")?,
             sides: kernel("eikonal/sides")?,
             light: kernel("eikonal/light")?,
-            open: kernel("eikonal/open")?,
+            curve: kernel("eikonal/curve")?,
+            spread: kernel("eikonal/spread")?,
             solver: Solver::new(device)?,
         })
     }
@@ -65,79 +98,16 @@ impl Kernels {
 
 /// One light's volume on a device.
 pub struct Volume {
-    pub grid: Grid,
-    /// The column from which light spreads, of the planes' columns.
-    pub foot: [i32; 2],
     pub bindings: Bindings,
     options: VolumeOptions,
     light: usize,
-    shared: EikonalVolume,
+    plan: Plan,
+    unit: LightUnit,
+    /// Whether cells were read from a file and stay as they are.
+    stored: bool,
     volumes: Buffer,
     values: Buffer,
     lights: Buffer,
-    /// What the kernels' values lack, metres times index.
-    offset: f64,
-    facets: Vec<FacetPush>,
-}
-
-/// All of a volume that the host works out.
-struct Plan {
-    grid: Grid,
-    foot: [i32; 2],
-    shared: EikonalVolume,
-    offset: f64,
-    facets: Vec<FacetPush>,
-}
-
-impl Plan {
-    fn new(scene: &Scene, light: usize, options: &VolumeOptions, before: Option<&Grid>) -> Option<Self> {
-        let light = &scene.lights[light];
-        let surface = RefractingSurface::of(scene, light)?;
-        let index = |medium: MediumId| if options.infinite { 1.0 } else { f64::from(scene.media[medium].index) };
-        let source = source_of(light, index(light.medium), options.infinite);
-        let way = surface.mean_way(&source, index(surface.wave_medium));
-        let grid = match options.grid {
-            Some(grid) => grid,
-            None => surface.grid(scene, way, options.resolution, before)?,
-        };
-        let planes = EikonalGrid::new(&grid, way, index(surface.wave_medium));
-        let (shared_source, offset) = EikonalSource::new(&source, &grid);
-        let foot = match source {
-            Source::Point { position, .. } => planes.column(&grid, position),
-            _ => [0, 1].map(|i| match way[planes.axes[i] as usize] {
-                w if w > UPRIGHT => 0,
-                w if w < -UPRIGHT => planes.cells[i] as i32 - 1,
-                _ => planes.cells[i] as i32 / 2,
-            }),
-        };
-        let columns = planes.cells[0] * planes.cells[1];
-        let facets = surface.instances.iter().map(|&instance| {
-            let triangles = scene.meshes[scene.instances[instance].mesh].triangles.len() as u32;
-            let parts = (columns / triangles.max(1)).clamp(1, 4096);
-            FacetPush { volume: 0, instance: instance as u32, triangles, parts }
-        });
-        let shared = EikonalVolume {
-            grid: planes,
-            source: shared_source,
-            light_medium: light.medium as u32,
-            wave_medium: surface.wave_medium as u32,
-            band: BAND,
-            padding0: 0,
-        };
-        Some(Plan { grid, foot, shared, offset, facets: facets.collect() })
-    }
-}
-
-fn source_of(light: &Light, index: f64, infinite: bool) -> Source {
-    match &light.emitter {
-        _ if infinite => Source::Surface,
-        Emitter::Point { position, .. } | Emitter::Spot { position, .. } => {
-            Source::Point { position: position.as_dvec3(), index }
-        }
-        Emitter::Directional { direction, .. } => {
-            Source::Directional { direction: direction.as_dvec3().normalize(), index }
-        }
-    }
 }
 
 impl Volume {
@@ -154,44 +124,141 @@ impl Volume {
     }
 
     fn with_plan(device: &Device, plan: Plan, light: usize, options: &VolumeOptions) -> Result<Self, GpuError> {
-        let Plan { grid, foot, shared, offset, facets } = plan;
-        let planes = &shared.grid;
-        let columns = planes.cells[0] * planes.cells[1];
+        let [u, v, planes] = plan.shared.grid.cells;
         let buffer = |name: &str, words: u64| Buffer::new(device, name, 4 * words);
-        let sides = 2 * u64::from(planes.cells[0] + planes.cells[1]) * u64::from(planes.cells[2]);
-        let blocks = u64::from(columns) * u64::from(planes.cells[2].div_ceil(BLOCK));
-        let volumes = Buffer::from_slice(device, "eikonal volumes", &[shared])?;
-        let values = buffer("eikonal values", grid.len() as u64)?;
-        let lights = buffer("eikonal lights", grid.len() as u64)?;
+        let sides = 2 * u64::from(u + v) * u64::from(planes);
+        let blocks = u64::from(u * v) * u64::from(planes.div_ceil(BLOCK));
+        let cells = plan.grid.len() as u64;
+        let volumes = Buffer::from_slice(device, "eikonal volumes", &[plan.shared])?;
+        let values = buffer("eikonal values", cells)?;
+        let lights = buffer("eikonal lights", cells)?;
+        let spread = buffer("eikonal spread", if plan.dissipation.is_some() { cells } else { 0 })?;
         let bindings = Bindings::new()
             .buffer("EikonalVolumes", &volumes)
             .buffer("EikonalValues", &values)
-            .buffer("EikonalTops", &buffer("eikonal tops", columns.into())?)
+            .buffer("EikonalTops", &buffer("eikonal tops", (u * v).into())?)
             .buffer("EikonalSides", &buffer("eikonal sides", sides)?)
             .buffer("EikonalAsked", &buffer("eikonal asked", blocks)?)
-            .buffer("EikonalLights", &lights);
+            .buffer("EikonalLights", &lights)
+            .buffer("EikonalSpread", &spread);
+        let unit = match options.intensity {
+            _ if options.wave.is_some() => LightUnit::Cells,
+            Intensity::Transport => LightUnit::Irradiance,
+            Intensity::Laplacian { .. } => LightUnit::Factor,
+        };
         let options = options.clone();
-        Ok(Volume { grid, foot, bindings, options, light, shared, volumes, values, lights, offset, facets })
+        Ok(Volume { bindings, options, light, plan, unit, stored: false, volumes, values, lights })
+    }
+
+    /// A volume from a file, for a scene of the same light and surface; else a sentence that says what differs.
+    pub fn from_stored(
+        device: &Device,
+        scene: &Scene,
+        stored: &StoredVolume,
+    ) -> Result<Result<Self, String>, GpuError> {
+        let header = &stored.header;
+        if header.light >= scene.lights.len() {
+            return Ok(Err(format!("it has light {}, and the scene has {}", header.light, scene.lights.len())));
+        }
+        let grid = Grid { lower: header.lower.into(), cell: header.cell, cells: header.cells };
+        let options = VolumeOptions { grid: Some(grid), ..VolumeOptions::default() };
+        let Some(mut plan) = Plan::new(scene, header.light, &options, None) else {
+            return Ok(Err(format!("light {} comes through no surface here", header.light)));
+        };
+        let planes = &plan.shared.grid;
+        if planes.axes != header.axes || (planes.backward != 0) != header.backward {
+            return Ok(Err(format!("light {} comes another way through the surface here", header.light)));
+        }
+        plan.offset = header.offset;
+        let mut volume = Self::with_plan(device, plan, header.light, &options)?;
+        let shared = |&value: &f32| match value {
+            value if value.is_nan() => OUTSIDE,
+            value => value.min(UNKNOWN),
+        };
+        volume.values.upload(bytemuck::cast_slice(&stored.phi.iter().map(shared).collect::<Vec<f32>>()))?;
+        volume.lights.upload(bytemuck::cast_slice(&stored.light))?;
+        (volume.unit, volume.stored) = (header.unit, true);
+        Ok(Ok(volume))
+    }
+
+    /// What a recorded volume holds, for a file.
+    pub fn store(&self) -> Result<StoredVolume, GpuError> {
+        let planes = &self.plan.shared.grid;
+        let header = VolumeHeader {
+            light: self.light,
+            lower: self.plan.grid.lower.to_array(),
+            cell: self.plan.grid.cell,
+            cells: self.plan.grid.cells,
+            axes: planes.axes,
+            backward: planes.backward != 0,
+            offset: self.plan.offset,
+            unit: self.unit,
+        };
+        let mut phi: Vec<f32> = self.values.read(self.plan.grid.len())?;
+        for value in &mut phi {
+            *value = match value.abs() {
+                OUTSIDE => f32::NAN,
+                UNKNOWN => f32::INFINITY,
+                value => value,
+            };
+        }
+        Ok(StoredVolume { header, phi, light: self.read_light()? })
+    }
+
+    pub fn grid(&self) -> &Grid {
+        &self.plan.grid
+    }
+
+    /// What [`read_light`](Self::read_light) has.
+    pub fn unit(&self) -> LightUnit {
+        self.unit
     }
 
     /// Takes the volume to what the scene has become: the same light, and instances with the triangles they had. False where
     /// there is nothing left to light. Cells stay where they were in space, but there may be more or fewer.
     pub fn update(&mut self, device: &Device, scene: &Scene) -> Result<bool, GpuError> {
-        let Some(plan) = Plan::new(scene, self.light, &self.options, Some(&self.grid)) else { return Ok(false) };
-        if plan.grid.cells != self.grid.cells || plan.shared.grid.axes != self.shared.grid.axes {
+        let Some(plan) = Plan::new(scene, self.light, &self.options, Some(&self.plan.grid)) else { return Ok(false) };
+        if plan.grid.cells != self.plan.grid.cells || plan.shared.grid.axes != self.plan.shared.grid.axes {
             *self = Self::with_plan(device, plan, self.light, &self.options)?;
             return Ok(true);
         }
-        let Plan { grid, foot, shared, offset, facets } = plan;
-        self.volumes.upload(bytemuck::bytes_of(&shared))?;
-        (self.grid, self.foot, self.shared, self.offset, self.facets) = (grid, foot, shared, offset, facets);
+        self.volumes.upload(bytemuck::bytes_of(&plan.shared))?;
+        self.plan = plan;
         Ok(true)
+    }
+
+    /// Where the scheme is the host's, finds the wave there and waits; [`record`](Self::record) then goes on from it.
+    pub fn solve_on_host(
+        &self,
+        device: &Device,
+        scene: &Scene,
+        bindings: &Bindings,
+        kernels: &Kernels,
+    ) -> Result<(), GpuError> {
+        let Scheme::Marching(marching) = self.options.solver.scheme else { return Ok(()) };
+        let mut recorder = Recorder::new(device)?;
+        self.record_given(&mut recorder, bindings, kernels)?;
+        recorder.submit()?;
+        let (values, given) = self.read()?;
+        let found = host::march_from(&self.plan, scene, &values, &given, marching);
+        let shared = |value: f64| match value {
+            value if value.is_nan() => OUTSIDE,
+            value if value.is_infinite() => UNKNOWN,
+            value => (value - self.plan.offset).max(0.0) as f32,
+        };
+        let values: Vec<f32> = found.into_iter().map(shared).collect();
+        self.values.upload(bytemuck::cast_slice(&values))
     }
 
     /// Records the way from the scene's triangles, as they are then, to values and light in all cells.
     pub fn record(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
-        self.record_given(recorder, scene, kernels)?;
-        self.record_wave(recorder, kernels)?;
+        if self.stored {
+            return Ok(());
+        }
+        if !matches!(self.options.solver.scheme, Scheme::Marching(_)) {
+            self.record_given(recorder, scene, kernels)?;
+            self.record_wave(recorder, kernels)?;
+        }
         self.record_light(recorder, scene, kernels)
     }
 
@@ -199,60 +266,82 @@ impl Volume {
     pub fn record_given(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
         let push = EikonalPush { volume: 0 };
-        let [u, v, _] = self.shared.grid.cells;
+        let [u, v, _] = self.plan.shared.grid.cells;
         recorder.pass("eikonal/clear")?.fill(&self.values, 0);
         let mut pass = recorder.pass("eikonal/cross")?;
-        for facets in &self.facets {
+        for facets in &self.plan.facets {
             pass.dispatch(&kernels.cross, &bindings, facets, facets.triangles * facets.parts)?;
         }
         drop(pass);
         recorder.pass("eikonal/classify")?.dispatch(&kernels.classify, &bindings, &push, u * v)?;
         recorder.pass("eikonal/mark")?.dispatch(&kernels.mark, &bindings, &push, u * v)?;
         let mut pass = recorder.pass("eikonal/given")?;
-        for facets in &self.facets {
+        for facets in &self.plan.facets {
             pass.dispatch(&kernels.given, &bindings, facets, facets.triangles * facets.parts)?;
         }
         drop(pass);
-        recorder.pass("eikonal/seal")?.dispatch(&kernels.seal, &bindings, &push, self.grid.len() as u32)?;
+        recorder.pass("eikonal/seal")?.dispatch(&kernels.seal, &bindings, &push, self.plan.grid.len() as u32)?;
         recorder.pass("eikonal/sides")?.dispatch(&kernels.sides, &bindings, &push, 2 * (u + v))?;
         Ok(())
     }
 
     /// Records the wave from what is given.
     pub fn record_wave(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
-        kernels.solver.record(recorder, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+        kernels.solver.record(recorder, &self.bindings, &self.plan.shared.grid, self.plan.foot, &self.options.solver)
     }
 
-    /// Takes the marks off a recorded wave and records the light that goes along it.
+    /// Records how bright a recorded wave makes the cells.
     pub fn record_light(&self, recorder: &mut Recorder, scene: &Bindings, kernels: &Kernels) -> Result<(), GpuError> {
         let bindings = [scene, &self.bindings];
-        let cells = self.grid.len() as u32;
-        recorder.pass("eikonal/open")?.dispatch(&kernels.open, &bindings, &EikonalPush { volume: 0 }, cells)?;
-        let [u, v, planes] = self.shared.grid.cells;
-        let push = LightPush { volume: 0, runs: u.div_ceil(RUN) };
-        recorder.pass("eikonal/light")?.dispatch(&kernels.light, &bindings, &push, push.runs * v * planes)?;
+        let cells = self.plan.grid.len() as u32;
+        match self.options.intensity {
+            Intensity::Transport => {
+                let [u, v, planes] = self.plan.shared.grid.cells;
+                let push = LightPush { volume: 0, runs: u.div_ceil(RUN) };
+                recorder.pass("eikonal/light")?.dispatch(&kernels.light, &bindings, &push, push.runs * v * planes)?;
+            }
+            Intensity::Laplacian { base, gain, power } => {
+                let push = CurvePush { volume: 0, base, gain, power };
+                recorder.pass("eikonal/curve")?.dispatch(&kernels.curve, &bindings, &push, cells)?;
+            }
+        }
+        self.record_spread(recorder, kernels)
+    }
+
+    /// Grid and light as kernels see them.
+    pub(super) fn shared(&self) -> &EikonalVolume {
+        &self.plan.shared
+    }
+
+    fn record_spread(&self, recorder: &mut Recorder, kernels: &Kernels) -> Result<(), GpuError> {
+        let Some(Dissipation { first, slope }) = self.plan.dissipation else { return Ok(()) };
+        let below = self.plan.shared.grid.cells[2] as f32 - 1.0 - first;
+        let steps = (below * slope / SPREAD_STEP).ceil().max(0.0) as u32;
+        let push = |step, last| SpreadPush { volume: 0, step, first, slope, last };
+        let pushes = (0..steps).map(|step| push(step, 0)).chain((steps > 0).then(|| push(steps, 1)));
+        let groups = Groups::of(&kernels.spread, self.plan.grid.len() as u32);
+        recorder.pass("eikonal/spread")?.dispatch_in_turn(&kernels.spread, &[&self.bindings], pushes, groups)?;
         Ok(())
     }
 
-    /// Irradiance across the light's way over what the light sends there: over W/sr, in 1/m2, or over W/m2; less than 0 where it is not known.
-    /// Of the quad from a cell to the next along both columns' axes, u and v of [`EikonalGrid`]. Media take nothing.
+    /// Light of all cells, in the volume's [`unit`](Self::unit); less than 0 where it is not known.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
-        self.lights.read(self.grid.len())
+        self.lights.read(self.plan.grid.len())
     }
 
-    /// How well a recorded wave has settled; only before the marks are taken off, after [`record_wave`](Self::record_wave).
+    /// How well a recorded wave has settled.
     pub fn check(&self, device: &Device, kernels: &Kernels) -> Result<Settled, GpuError> {
-        kernels.solver.check(device, &self.bindings, &self.shared.grid, self.foot, &self.options.solver)
+        kernels.solver.check(device, &self.bindings, &self.plan.shared.grid, self.plan.foot, &self.options.solver)
     }
 
     /// Optical paths from the light, metres times index (with an infinite index: metres from the surface); infinite where no
-    /// wave came, NaN outside of the medium. Whether a value was given is told apart where the marks are still there.
+    /// wave came, NaN outside of the medium. And which values were given, not found.
     pub fn read(&self) -> Result<(Vec<f64>, Vec<bool>), GpuError> {
-        let values: Vec<f32> = self.values.read(self.grid.len())?;
+        let values: Vec<f32> = self.values.read(self.plan.grid.len())?;
         let path = |value: f32| match value.abs() {
             OUTSIDE => f64::NAN,
             UNKNOWN => f64::INFINITY,
-            value => f64::from(value) + self.offset,
+            value => f64::from(value) + self.plan.offset,
         };
         let given = values.iter().map(|value| value.is_sign_negative()).collect();
         Ok((values.into_iter().map(path).collect(), given))

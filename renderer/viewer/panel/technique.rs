@@ -66,6 +66,7 @@ fn widget(ui: &mut Ui, setting: &Setting, value: &mut String) -> bool {
             });
             *value != before
         }
+        SettingKind::File => ui.text_edit_singleline(value).lost_focus(),
         SettingKind::Integer { min, max } => {
             let parsed = value.parse().unwrap_or(min);
             let speed = (parsed as f64 * 0.01).max(0.1);
