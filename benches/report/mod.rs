@@ -31,6 +31,16 @@ impl Truth {
         Ok(Truth { picture, mask })
     }
 
+    /// A picture that holds everywhere.
+    pub fn of(picture: RgbImage) -> Self {
+        Truth { mask: Mask::full(picture.width, picture.height), picture }
+    }
+
+    /// Those where it holds; `None` for others.
+    pub fn pixels(&self) -> impl Iterator<Item = Option<&[f32; 3]>> {
+        self.picture.pixels.iter().zip(&self.mask.inside).map(|(pixel, inside)| inside.then_some(pixel))
+    }
+
     /// Pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.picture.width as u32, self.picture.height as u32)

@@ -4,6 +4,7 @@ mod animate;
 mod program;
 mod refusals;
 mod trace_file;
+mod volume;
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -18,7 +19,8 @@ fn help_and_version() {
     let folder = Folder::new();
     let help = folder.run("--help").stdout;
     let view: &[&str] = if cfg!(feature = "viewer") { &["view"] } else { &[] };
-    for command in ["render", "animate", "compare", "devices", "conformance", "completions", "man"].iter().chain(view) {
+    let commands = ["render", "animate", "compare", "volume", "devices", "conformance", "completions", "man"];
+    for command in commands.iter().chain(view) {
         assert!(help.contains(&format!("\n  {command} ")), "{command} is not in\n{help}");
         assert!(folder.run(&format!("{command} --help")).stdout.contains("Usage: nephroid"), "{command}");
     }

@@ -20,13 +20,9 @@ layout(push_constant) uniform GatherPush {
     uint light;
     uint first;   // 1: nothing has been added up for this sample yet
     uint shadows; // 0: nothing but surfaces that refract is in the way
-    uint unit;    // UNIT_...
+    uint factor;  // 1: the volume holds factors of what flat water would let through, not irradiance over what the light sends
+    uint between; // 1: between cells
 } push;
-
-// What light is, LightUnit in renderer/technique/eikonal/file.rs.
-const uint UNIT_IRRADIANCE = 0u; // between cells, over what the light sends
-const uint UNIT_CELLS = 1u;      // the same in cells
-const uint UNIT_FACTOR = 2u;     // of what flat water would let through, in cells
 
 // Of what the light sends along its way at the surface, the part that is left where flat water of the surface's normal there
 // would bring it: W/sr become W/m2.
@@ -42,7 +38,7 @@ float flat_light(EikonalVolume volume, Light light, Surface s, vec3 to_light, fl
 vec3 caustic_irradiance(VisiblePoint point) {
     EikonalVolume volume = volumes[0];
     if (point.instance == NO_INSTANCE || point.medium != volume.wave_medium) return vec3(0.0);
-    LookUp found = look_up(volume.grid, point.position, push.unit == UNIT_IRRADIANCE);
+    LookUp found = look_up(volume.grid, point.position, push.between != 0u);
     float cosine = dot(-found.way, unpack_direction(point.normal));
     if (!(found.light > 0.0) || cosine <= 0.0 || dot(-found.way, unpack_direction(point.geometric)) <= 0.0) return vec3(0.0);
 
@@ -62,7 +58,7 @@ vec3 caustic_irradiance(VisiblePoint point) {
         if (material.kind != MATERIAL_DIELECTRIC || beyond != volume.light_medium) return vec3(0.0);
         LightSample seen = light_at(light, s.position);
         irradiance *= light.kind == LIGHT_DIRECTIONAL ? seen.irradiance : light_power_along(light, -seen.to_light);
-        if (push.unit == UNIT_FACTOR) irradiance *= flat_light(volume, light, s, seen.to_light, seen.distance, hit.t);
+        if (push.factor != 0u) irradiance *= flat_light(volume, light, s, seen.to_light, seen.distance, hit.t);
         irradiance *= transmittance(volume.wave_medium, ray.origin, ray.direction, hit.t);
         ray = Ray(leave(s, seen.to_light), 0.0, seen.to_light, seen.distance);
         irradiance *= transmittance(volume.light_medium, ray.origin, ray.direction, ray.t_max);

@@ -4,10 +4,12 @@
 #include "shared/index.glsl"
 
 layout(set = 3, binding = 1, std430) buffer EikonalValues { uint values[]; };
+layout(set = 3, binding = 4, std430) buffer EikonalSides { float sides[]; };
 
 #include "technique/eikonal/grid.glsl"
 #include "technique/eikonal/blocks.glsl"
 #include "technique/eikonal/fold.glsl"
+#include "technique/eikonal/sides.glsl"
 #include "technique/eikonal/values.glsl"
 
 layout(push_constant) uniform SweepPush {
@@ -73,6 +75,31 @@ float most_of(vec4 a) {
     return max(max(a.x, a.y), max(a.z, a.w));
 }
 
+// How much the wave rises inwards, a cell, at a place in one of the grid's sides in the plane before: what it was where this part of
+// the wave came from, not what it is inside, which would grow on itself. `axis`: across the side.
+float rise_before(vec2 place, int axis) {
+    int along = 1 - axis;
+    ivec2 low = ivec2(round(place));
+    low[along] = int(floor(place[along]));
+    ivec2 high = low;
+    high[along] = min(low[along] + 1, int(push.sweep.cells[along]) - 1);
+    bool low_known = before_at(low) < UNKNOWN;
+    bool high_known = before_at(high) < UNKNOWN;
+    int plane = int(push.sweep.turn) - 1;
+    uvec3 cells = push.sweep.cells;
+    float at_low = sides[axis == 0 ? side_u(cells, ivec3(low, plane)) : side_v(cells, ivec3(low, plane))];
+    float at_high = sides[axis == 0 ? side_u(cells, ivec3(high, plane)) : side_v(cells, ivec3(high, plane))];
+    if (low_known && high_known) return mix(at_low, at_high, place[along] - float(low[along]));
+    return low_known ? at_low : high_known ? at_high : 0.0;
+}
+
+// From a place in a side to what lies beyond it: value and slopes.
+vec3 beyond_sides(float value, vec2 slope, vec2 place, vec2 beyond) {
+    if (beyond.x != 0.0) slope.x = -sign(beyond.x) * rise_before(place, 0);
+    if (beyond.y != 0.0) slope.y = -sign(beyond.y) * rise_before(place, 1);
+    return vec3(value + dot(slope, beyond), slope);
+}
+
 // Value and slopes along u and v at a place in the plane before; UNKNOWN where cells around it are. Beyond the grid's sides the
 // wave goes on straight, or is unknown. Written out row by row: llvmpipe takes long over indexed vectors.
 vec3 wave_before(vec2 wanted) {
@@ -91,14 +118,13 @@ vec3 wave_before(vec2 wanted) {
         vec2 on_b = between(b, part.x);
         vec2 on_c = between(c, part.x);
         vec2 along = between(vec4(between(a, part.x).x, on_b.x, on_c.x, between(d, part.x).x), part.y);
-        vec2 slope = vec2(mix(on_b.y, on_c.y, part.y), along.y);
-        return vec3(along.x + dot(slope, beyond), slope);
+        return beyond_sides(along.x, vec2(mix(on_b.y, on_c.y, part.y), along.y), place, beyond);
     }
     vec4 corner = vec4(b.yz, c.yz);
     if (most_of(corner) >= UNKNOWN) return vec3(UNKNOWN, 0.0, 0.0);
     vec2 rows = mix(corner.xz, corner.yw, part.x);
     vec2 slope = vec2(mix(corner.y - corner.x, corner.w - corner.z, part.y), rows.y - rows.x);
-    return vec3(mix(rows.x, rows.y, part.y) + dot(slope, beyond), slope);
+    return beyond_sides(mix(rows.x, rows.y, part.y), slope, place, beyond);
 }
 
 // From a cell back to the plane before, in cells, along a wave of that slope.
@@ -149,4 +175,8 @@ void main() {
         from = vec2(column) - clamp(way_back(there.yz), -8.0, 8.0);
     }
     values[cell] = floatBitsToUint(min(best, UNKNOWN));
+    ivec3 at = ivec3(column, int(sweep.turn));
+    vec2 came = clamp(from, vec2(0.0), vec2(last));
+    if (column.x == 0 || column.x == last.x) sides[side_u(sweep.cells, at)] = rise_before(vec2(column.x, came.y), 0);
+    if (column.y == 0 || column.y == last.y) sides[side_v(sweep.cells, at)] = rise_before(vec2(came.x, column.y), 1);
 }

@@ -5,6 +5,7 @@
 #include "technique/eikonal/wave.glsl"
 
 layout(set = 3, binding = 1, std430) readonly buffer EikonalValues { uint values[]; };
+layout(set = 3, binding = 3, std430) readonly buffer EikonalTops { int tops[]; }; // each column's first plane inside
 layout(set = 3, binding = 6, std430) readonly buffer EikonalLights { float lights[]; };
 layout(set = 3, binding = 7, std430) writeonly buffer WaveNow { float now[]; };
 layout(set = 3, binding = 9, std430) writeonly buffer WaveSums { float sums[]; };
@@ -89,7 +90,9 @@ Arrival arrival_at(ivec3 at) {
     // Where the border ends there is no neighbour to step a cell by, and what comes in is all there is.
     bool end = max(abs(beyond.x), abs(beyond.y)) >= int(push.grid.border);
     float time = max(value / push.step + push.lead, 0.5);
-    return Arrival(given || end ? -time : time, sqrt(light_by(inner) / push.scale));
+    // By the sides comes what no focus inside has gathered.
+    ivec3 lit = beyond == ivec3(0) ? inner : ivec3(inner.xy, min(tops[uint(inner.y) * push.grid.cells.x + uint(inner.x)], last.z));
+    return Arrival(given || end ? -time : time, sqrt(light_by(lit) / push.scale));
 }
 
 // Has a block and those around it stepped at first.

@@ -148,7 +148,8 @@ crate::gpu_struct! {
         pub light: u32,
         pub first: u32,
         pub shadows: u32,
-        pub unit: u32,
+        pub factor: u32,
+        pub between: u32,
     }
 }
 

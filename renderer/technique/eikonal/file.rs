@@ -46,6 +46,8 @@ pub struct VolumeHeader {
     /// Metres times index that `phi` lacks.
     pub offset: f64,
     pub unit: LightUnit,
+    /// Whether `light` is that of the quad from a cell to the next along both of the first axes, not of the cell.
+    pub between: bool,
 }
 
 /// What `light` is.
@@ -53,11 +55,9 @@ pub struct VolumeHeader {
 #[serde(rename_all = "lowercase")]
 pub enum LightUnit {
     /// Irradiance across the light's way over what the light sends, media taking nothing: over W/sr, in 1/m2, or for a
-    /// directional light over W/m2. Of the quad from a cell to the next along both axes across the light's way.
+    /// directional light over W/m2.
     Irradiance,
-    /// The same in cells' middles.
-    Cells,
-    /// A factor of what flat water would let through, in cells' middles.
+    /// A factor of what flat water would let through.
     Factor,
 }
 
@@ -141,6 +141,7 @@ mod tests {
             backward: true,
             offset: 4.75,
             unit: LightUnit::Irradiance,
+            between: true,
         };
         let phi = vec![0.5, f32::INFINITY, 1.5, 2.5, -0.0, 1e-30];
         StoredVolume { header, phi, light: vec![-1e30, 0.0, 1.0, 2.0, 3.0, 4.0] }

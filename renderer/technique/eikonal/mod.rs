@@ -29,7 +29,7 @@ use crate::gpu::{Device, GpuError, Kernel, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::scene::Scene;
 use device::GatherPush;
-use file::{StoredVolume, VolumeFileError};
+use file::{LightUnit, StoredVolume, VolumeFileError};
 use lit::{LitVolume, Stages};
 
 /// The technique's state for one band.
@@ -126,7 +126,8 @@ impl Technique for Eikonal {
                 light,
                 first: u32::from(at == 0),
                 shadows: u32::from(self.shadows),
-                unit: volume.unit() as u32,
+                factor: u32::from(volume.unit() == LightUnit::Factor),
+                between: u32::from(volume.is_between()),
             };
             let bindings = [&frame.bindings, &volume.bindings];
             recorder.pass("eikonal/gather")?.dispatch(&self.gather, &bindings, &push, frame.slots())?;

@@ -103,6 +103,7 @@ pub struct Volume {
     light: usize,
     plan: Plan,
     unit: LightUnit,
+    between: bool,
     /// Whether cells were read from a file and stay as they are.
     stored: bool,
     volumes: Buffer,
@@ -141,13 +142,11 @@ impl Volume {
             .buffer("EikonalAsked", &buffer("eikonal asked", blocks)?)
             .buffer("EikonalLights", &lights)
             .buffer("EikonalSpread", &spread);
-        let unit = match options.intensity {
-            _ if options.wave.is_some() => LightUnit::Cells,
-            Intensity::Transport => LightUnit::Irradiance,
-            Intensity::Laplacian { .. } => LightUnit::Factor,
-        };
+        let transport = options.wave.is_some() || options.intensity == Intensity::Transport;
+        let unit = if transport && !options.infinite { LightUnit::Irradiance } else { LightUnit::Factor };
+        let between = options.wave.is_none() && options.intensity == Intensity::Transport;
         let options = options.clone();
-        Ok(Volume { bindings, options, light, plan, unit, stored: false, volumes, values, lights })
+        Ok(Volume { bindings, options, light, plan, unit, between, stored: false, volumes, values, lights })
     }
 
     /// A volume from a file, for a scene of the same light and surface; else a sentence that says what differs.
@@ -177,7 +176,7 @@ impl Volume {
         };
         volume.values.upload(bytemuck::cast_slice(&stored.phi.iter().map(shared).collect::<Vec<f32>>()))?;
         volume.lights.upload(bytemuck::cast_slice(&stored.light))?;
-        (volume.unit, volume.stored) = (header.unit, true);
+        (volume.unit, volume.between, volume.stored) = (header.unit, header.between, true);
         Ok(Ok(volume))
     }
 
@@ -193,6 +192,7 @@ impl Volume {
             backward: planes.backward != 0,
             offset: self.plan.offset,
             unit: self.unit,
+            between: self.between,
         };
         let mut phi: Vec<f32> = self.values.read(self.plan.grid.len())?;
         for value in &mut phi {
@@ -212,6 +212,12 @@ impl Volume {
     /// What [`read_light`](Self::read_light) has.
     pub fn unit(&self) -> LightUnit {
         self.unit
+    }
+
+    /// Whether it is that of the quad from a cell to the next along both axes across the planes, u and v of
+    /// [`EikonalGrid`](super::device::EikonalGrid), not of the cell.
+    pub fn is_between(&self) -> bool {
+        self.between
     }
 
     /// Takes the volume to what the scene has become: the same light, and instances with the triangles they had. False where

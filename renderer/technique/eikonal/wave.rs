@@ -69,7 +69,7 @@ impl Default for WaveOptions {
             pulse: 1.0,
             gain: 1.0,
             power: 1.0,
-            quiet: 5e-2,
+            quiet: 3e-2,
             steps: None,
         }
     }
