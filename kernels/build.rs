@@ -12,7 +12,9 @@ use nephroid_kernel_compiler::{self as compiler, Job};
 fn main() {
     let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    for folder in ["build.rs", "shared", "trace", "animate", "frame", "taa", "light", "technique", "selftest"] {
+    for folder in
+        ["build.rs", "shared", "trace", "animate", "frame", "taa", "light", "technique", "selftest", "conformance"]
+    {
         println!("cargo::rerun-if-changed={}", root.join(folder).display());
     }
     if let Err(message) = build(&root, &out) {

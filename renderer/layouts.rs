@@ -1,7 +1,7 @@
 //! Every struct that host and kernels share, for the test that compares them with the SPIR-V.
 
 use crate::gpu::{GpuStruct, Layout};
-use crate::{adaptive, animate, display, film, frame, gpu_scene, light_view, taa, technique, trace, view};
+use crate::{adaptive, animate, conformance, display, film, frame, gpu_scene, light_view, taa, technique, trace, view};
 
 /// All of them.
 pub fn layouts() -> Vec<Layout> {
@@ -36,5 +36,6 @@ pub fn layouts() -> Vec<Layout> {
     all.extend(technique::photons::LAYOUTS);
     all.extend(taa::LAYOUTS);
     all.extend(trace::LAYOUTS);
+    all.extend(conformance::LAYOUTS);
     all
 }

@@ -6,6 +6,7 @@
 pub mod adaptive;
 pub mod animate;
 pub mod commands;
+pub mod conformance;
 pub mod display;
 pub mod film;
 pub mod frame;

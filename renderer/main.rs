@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "viewer")]
 use nephroid::commands::view;
-use nephroid::commands::{animate, compare, devices, render, shell, volume};
+use nephroid::commands::{animate, compare, conformance, devices, render, shell, volume};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,6 +34,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Volume(Box<volume::VolumeArgs>),
     Devices(devices::DevicesArgs),
+    Conformance(Box<conformance::ConformanceArgs>),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
 }
@@ -56,6 +57,7 @@ fn run(command: Command) -> Result<ExitCode, Box<dyn Error>> {
         Command::Animate(args) => return Ok(animate::run(&args)?),
         #[cfg(feature = "viewer")]
         Command::View(args) => return Ok(view::run(&args)?),
+        Command::Conformance(args) => return Ok(conformance::run(&args)?),
         Command::Compare(args) => compare::run(&args)?,
         Command::Volume(args) => volume::run(&args)?,
         Command::Devices(args) => devices::run(&args)?,

@@ -57,6 +57,9 @@ fn kernels_keep_to_the_portable_core() {
         let allowed: &[u32] = match (kernel.stage, kernel.variant) {
             // Only where the device has geometry shaders.
             ("geom", _) => &[SHADER, GEOMETRY],
+            // What conformance asks about, and only where the device has it; the basic operations every one has.
+            _ if kernel.name == "conformance/float_atomics" => &[SHADER, FLOAT_ATOMIC_ADD],
+            _ if kernel.name == "conformance/subgroups" => &[SHADER, SUBGROUPS],
             (_, "ray_query") => &[SHADER, RAY_QUERY],
             _ => &[SHADER],
         };
@@ -71,3 +74,5 @@ fn kernels_keep_to_the_portable_core() {
 const SHADER: u32 = 1;
 const GEOMETRY: u32 = 2;
 const RAY_QUERY: u32 = 4472;
+const SUBGROUPS: u32 = 61;
+const FLOAT_ATOMIC_ADD: u32 = 6033;

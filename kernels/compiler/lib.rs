@@ -31,7 +31,7 @@ pub struct Job {
 /// All modules below `root`, in the order of their names. Errors are sentences with file and line.
 pub fn jobs(root: &Path) -> Result<Vec<Job>, String> {
     let mut entry_points = Vec::new();
-    for folder in ["trace", "animate", "frame", "taa", "light", "technique", "selftest"] {
+    for folder in ["trace", "animate", "frame", "taa", "light", "technique", "selftest", "conformance"] {
         collect_entry_points(&root.join(folder), &mut entry_points)?;
     }
     entry_points.sort();

@@ -3,6 +3,7 @@
 pub mod animate;
 pub mod args;
 pub mod compare;
+pub mod conformance;
 pub mod devices;
 mod error;
 pub(crate) mod interrupt;

@@ -56,6 +56,20 @@ impl DescriptorPools {
                     // SAFETY: the set is new, and the buffer is held by the recording.
                     unsafe { self.device.raw.update_descriptor_sets(&[write.buffer_info(&info)], &[]) };
                 }
+                (Some(Binding::Range(buffer, offset, bytes)), SlotKind::StorageBuffer) => {
+                    let info = [vk::DescriptorBufferInfo { buffer: buffer.raw, offset: *offset, range: *bytes }];
+                    // SAFETY: as above; the range was cut to the buffer.
+                    unsafe { self.device.raw.update_descriptor_sets(&[write.buffer_info(&info)], &[]) };
+                }
+                (Some(Binding::Image(image)), SlotKind::StorageImage) => {
+                    let info = [vk::DescriptorImageInfo {
+                        image_view: image.view,
+                        image_layout: vk::ImageLayout::GENERAL,
+                        ..Default::default()
+                    }];
+                    // SAFETY: as above; storage images are in GENERAL since they were made.
+                    unsafe { self.device.raw.update_descriptor_sets(&[write.image_info(&info)], &[]) };
+                }
                 (Some(Binding::AccelerationStructure(structure)), SlotKind::AccelerationStructure) => {
                     let structures = [structure.raw()];
                     let mut info =
@@ -85,7 +99,10 @@ impl DescriptorPools {
 
     fn grow(&mut self) -> Result<(), GpuError> {
         let size = |ty, descriptor_count| vk::DescriptorPoolSize { ty, descriptor_count };
-        let mut sizes = vec![size(vk::DescriptorType::STORAGE_BUFFER, SETS_PER_POOL * 16)];
+        let mut sizes = vec![
+            size(vk::DescriptorType::STORAGE_BUFFER, SETS_PER_POOL * 16),
+            size(vk::DescriptorType::STORAGE_IMAGE, SETS_PER_POOL),
+        ];
         if self.device.structures.is_some() {
             sizes.push(size(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR, SETS_PER_POOL));
         }

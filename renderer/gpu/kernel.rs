@@ -10,13 +10,16 @@ use super::pipeline::{Module, Pipeline, PipelineLayout, PipelineSlot, module_wor
 use super::reflect::{Interface, reflect};
 #[cfg(feature = "hot-reload")]
 use super::reload::{ModuleName, Reloadable};
-use super::{Buffer, Device, GpuError};
+use super::{Buffer, Device, GpuError, Image};
 use crate::trace::AccelerationStructure;
 
 /// Something to bind.
 #[derive(Clone)]
 pub enum Binding {
     Buffer(Buffer),
+    /// Bytes of a buffer, from an offset on.
+    Range(Buffer, u64, u64),
+    Image(Image),
     AccelerationStructure(AccelerationStructure),
 }
 
@@ -32,6 +35,21 @@ impl Bindings {
     /// Adds a buffer under the block's name.
     pub fn buffer(mut self, block: &'static str, buffer: &Buffer) -> Self {
         self.0.push((block, Binding::Buffer(buffer.clone())));
+        self
+    }
+
+    /// Adds `bytes` of a buffer from byte `offset` on, a multiple of the device's `storage_offset_alignment`. Both are cut to
+    /// the buffer.
+    pub fn range(mut self, block: &'static str, buffer: &Buffer, offset: u64, bytes: u64) -> Self {
+        let offset = offset.min(buffer.size().saturating_sub(4));
+        let bytes = bytes.clamp(4, buffer.size() - offset);
+        self.0.push((block, Binding::Range(buffer.clone(), offset, bytes)));
+        self
+    }
+
+    /// Adds a storage image under the variable's name.
+    pub fn image(mut self, name: &'static str, image: &Image) -> Self {
+        self.0.push((name, Binding::Image(image.clone())));
         self
     }
 
@@ -107,6 +125,11 @@ impl Kernel {
             }
         };
         Ok(Kernel { inner, _device: device.clone() })
+    }
+
+    /// As [`new`](Self::new), made anew whether the device has one or not, and shared with nobody.
+    pub fn anew(device: &Device, name: &str, variant: &str) -> Result<Kernel, GpuError> {
+        Ok(Kernel { inner: make(device, name, variant)?, _device: device.clone() })
     }
 }
 

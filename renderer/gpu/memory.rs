@@ -7,7 +7,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::error::Call;
-use super::{Device, GpuError, Recorder};
+use super::{Device, GpuError, Pass, Recorder};
 
 /// Bytes moved at once between host and device, so that a large mesh needs no staging buffer of its size.
 const CHUNK: usize = 16 << 20;
@@ -233,11 +233,45 @@ impl Image {
         width: u32,
         height: u32,
     ) -> Result<Image, GpuError> {
-        let (usage, aspect) = match format {
-            vk::Format::D32_SFLOAT => (vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT, vk::ImageAspectFlags::DEPTH),
-            _ => {
-                (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, vk::ImageAspectFlags::COLOR)
-            }
+        let usage = match format {
+            vk::Format::D32_SFLOAT => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            _ => vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+        };
+        Self::with_usage(device, name, format, usage, width, height)
+    }
+
+    /// One unsigned integer a pixel, for kernels to read, write and count in; all zero.
+    pub fn counters(device: &Device, name: &str, width: u32, height: u32) -> Result<Image, GpuError> {
+        let usage =
+            vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
+        let image = Self::with_usage(device, name, vk::Format::R32_UINT, usage, width, height)?;
+        let mut recorder = Recorder::new(device)?;
+        recorder.pass("memory/clear")?.clear_image(&image);
+        recorder.submit()?;
+        Ok(image)
+    }
+
+    /// Reads `count` items of as many bytes as a pixel has, row after row, and waits for them. Colour alone.
+    pub fn read<T: bytemuck::Pod>(&self, count: usize) -> Result<Vec<T>, GpuError> {
+        let bytes = (count * size_of::<T>()) as u64;
+        let buffer = Buffer::new(&self.device, "picture", bytes)?;
+        let mut recorder = Recorder::new(&self.device)?;
+        recorder.pass("memory/readback")?.copy_image(self, &buffer, 0);
+        recorder.submit()?;
+        buffer.read(count)
+    }
+
+    fn with_usage(
+        device: &Device,
+        name: &str,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        width: u32,
+        height: u32,
+    ) -> Result<Image, GpuError> {
+        let aspect = match format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
         };
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
@@ -248,7 +282,7 @@ impl Image {
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(usage);
-        // SAFETY: a plain two-dimensional target; the frame asks for no larger one than the device allows.
+        // SAFETY: a plain two-dimensional image; the frame asks for no larger one than the device allows.
         let raw = unsafe { device.raw.create_image(&info, None) }.call("vkCreateImage")?;
         let mut image = ImageInner {
             raw,
@@ -288,6 +322,54 @@ impl Drop for ImageInner {
             self.device.raw.destroy_image(self.raw, None);
         }
         free(&self.device, self.allocation.take());
+    }
+}
+
+impl Pass<'_> {
+    /// Makes a new image usable in the layout GENERAL, with zeros.
+    fn clear_image(&mut self, image: &Image) -> &mut Self {
+        self.hold(image);
+        let range = vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let (raw, commands) = (&self.device().raw, self.commands());
+        let general = super::raster::to_general(image, vk::ImageAspectFlags::COLOR);
+        let all = vk::PipelineStageFlags::ALL_COMMANDS;
+        // SAFETY: a colour image made for transfers; its old content is discarded, and zeros fit every format.
+        unsafe {
+            raw.cmd_pipeline_barrier(commands, all, all, vk::DependencyFlags::empty(), &[], &[], &[general]);
+            let zero = vk::ClearColorValue { uint32: [0; 4] };
+            raw.cmd_clear_color_image(commands, image.raw, vk::ImageLayout::GENERAL, &zero, &[range]);
+        }
+        self
+    }
+
+    /// Copies a colour image, row after row without gaps, to byte `offset` of a buffer.
+    pub(crate) fn copy_image(&mut self, from: &Image, to: &Buffer, offset: u64) -> &mut Self {
+        self.hold(to);
+        self.hold(from);
+        let region = vk::BufferImageCopy::default()
+            .buffer_offset(offset)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width: from.extent.width, height: from.extent.height, depth: 1 });
+        // SAFETY: the image is in GENERAL since it was drawn to or cleared; the buffer holds the whole of it from `offset` on.
+        unsafe {
+            self.device().raw.cmd_copy_image_to_buffer(
+                self.commands(),
+                from.raw,
+                vk::ImageLayout::GENERAL,
+                to.raw,
+                &[region],
+            );
+        }
+        self
     }
 }
 

@@ -37,13 +37,14 @@ pub use memory::{Buffer, Image};
 #[cfg(feature = "viewer")]
 pub use painter::Painter;
 pub use quirks::Quirks;
-pub use raster::{Raster, RasterStages, RasterTargets};
+pub use raster::{Plain, Raster, RasterStages, RasterTargets};
 pub use recorder::{Groups, Pass, PassTime, Recorder};
 pub use reflect::{Interface, Struct, reflect};
 #[cfg(feature = "hot-reload")]
 pub use reload::{KernelWatch, ReloadReport, WatchError};
 #[cfg(feature = "viewer")]
 pub use surface::{Surface, WindowHandles};
+pub(crate) use survey::choose;
 pub use survey::{DeviceInfo, Limits};
 #[cfg(feature = "viewer")]
 pub use swapchain::{Drawn, Swapchain};

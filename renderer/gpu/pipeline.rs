@@ -183,6 +183,7 @@ impl Drop for PipelineLayout {
 pub(crate) fn descriptor_type(kind: SlotKind) -> vk::DescriptorType {
     match kind {
         SlotKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+        SlotKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
         SlotKind::AccelerationStructure => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
     }
 }

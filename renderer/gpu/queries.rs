@@ -12,18 +12,19 @@ const PASSES_OF_POOL: u32 = 32;
 /// Two queries a pass, of the passes of one command buffer.
 pub struct Queries {
     pools: Vec<vk::QueryPool>,
+    timed: bool,
     device: Device,
 }
 
 impl Queries {
-    pub fn new(device: &Device) -> Self {
-        Queries { pools: Vec::new(), device: device.clone() }
+    /// Of passes that are `wanted` timed, where the device has timestamps.
+    pub fn new(device: &Device, wanted: bool) -> Self {
+        Queries { pools: Vec::new(), timed: wanted && device.has(Capability::Timestamps), device: device.clone() }
     }
 
     /// Room for the pass of that number, where there are timestamps; all before it have had theirs. Not within rendering.
     pub fn reserve(&mut self, commands: vk::CommandBuffer, pass: u32) -> Result<(), GpuError> {
-        let timed = self.device.has(Capability::Timestamps) && !self.device.quirks.submit_each_pass;
-        if !timed || pass / PASSES_OF_POOL < self.pools.len() as u32 {
+        if !self.timed || pass / PASSES_OF_POOL < self.pools.len() as u32 {
             return Ok(());
         }
         let count = 2 * PASSES_OF_POOL;

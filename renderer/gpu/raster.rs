@@ -41,6 +41,8 @@ enum Mixing {
     Nearest,
     /// Values add up, of triangles seen from behind: a convex volume covers each pixel once, wherever the camera is.
     SumOfBacks,
+    /// The last wins.
+    Last,
 }
 
 /// What a pipeline is made for.
@@ -90,11 +92,25 @@ pub(crate) struct RasterInner {
     modules: Vec<ModuleName>,
 }
 
+/// What a pixel of a [plain](RasterTargets::plain) target holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plain {
+    /// Two unsigned integers.
+    Ids,
+    /// Four 32-bit floats.
+    Floats,
+    /// Four 16-bit floats.
+    Halves,
+    /// Four bytes that stand for 0 to 1.
+    Display,
+}
+
 /// What is drawn into: one colour target, and its depth where the nearest wins.
 #[derive(Clone)]
 pub struct RasterTargets {
     pub color: Image,
     depth: Option<Image>,
+    mixing: Mixing,
 }
 
 impl RasterTargets {
@@ -104,20 +120,39 @@ impl RasterTargets {
         Ok(RasterTargets {
             color: Image::target(device, name, vk::Format::R32G32_UINT, width, height)?,
             depth: Some(depth),
+            mixing: Mixing::Nearest,
         })
     }
 
     /// Four floats a pixel, which add up. Only where [`Limits::float_sums`](super::Limits::float_sums) says so.
     pub fn sums(device: &Device, name: &str, width: u32, height: u32) -> Result<Self, GpuError> {
         let color = Image::target(device, name, vk::Format::R32G32B32A32_SFLOAT, width, height)?;
-        Ok(RasterTargets { color, depth: None })
+        Ok(RasterTargets { color, depth: None, mixing: Mixing::SumOfBacks })
+    }
+
+    /// Four 16-bit floats a pixel, which add up. Every device has these.
+    pub fn half_sums(device: &Device, name: &str, width: u32, height: u32) -> Result<Self, GpuError> {
+        let color = Image::target(device, name, vk::Format::R16G16B16A16_SFLOAT, width, height)?;
+        Ok(RasterTargets { color, depth: None, mixing: Mixing::SumOfBacks })
+    }
+
+    /// What is drawn last, unmixed.
+    pub fn plain(device: &Device, name: &str, format: Plain, width: u32, height: u32) -> Result<Self, GpuError> {
+        let format = match format {
+            Plain::Ids => vk::Format::R32G32_UINT,
+            Plain::Floats => vk::Format::R32G32B32A32_SFLOAT,
+            Plain::Halves => vk::Format::R16G16B16A16_SFLOAT,
+            Plain::Display => vk::Format::R8G8B8A8_UNORM,
+        };
+        let color = Image::target(device, name, format, width, height)?;
+        Ok(RasterTargets { color, depth: None, mixing: Mixing::Last })
     }
 
     fn state(&self, points: bool) -> State {
         State {
             color: self.color.format,
             depth: self.depth.as_ref().map_or(vk::Format::UNDEFINED, |depth| depth.format),
-            mixing: if self.depth.is_some() { Mixing::Nearest } else { Mixing::SumOfBacks },
+            mixing: self.mixing,
             points,
         }
     }
@@ -196,14 +231,14 @@ fn pipeline(
             vk::PipelineShaderStageCreateInfo::default().stage(stage_flag(stage)).module(module.raw).name(c"main")
         })
         .collect();
-    let nearest = state.mixing == Mixing::Nearest;
+    let (nearest, sums) = (state.mixing == Mixing::Nearest, state.mixing == Mixing::SumOfBacks);
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
     let topology = if state.points { vk::PrimitiveTopology::POINT_LIST } else { vk::PrimitiveTopology::TRIANGLE_LIST };
     let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let rasterisation = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(if nearest { vk::CullModeFlags::NONE } else { vk::CullModeFlags::FRONT })
+        .cull_mode(if sums { vk::CullModeFlags::FRONT } else { vk::CullModeFlags::NONE })
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
         .line_width(1.0);
     let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
@@ -212,7 +247,7 @@ fn pipeline(
         .depth_write_enable(nearest)
         .depth_compare_op(vk::CompareOp::GREATER);
     let attachment = [vk::PipelineColorBlendAttachmentState::default()
-        .blend_enable(!nearest)
+        .blend_enable(sums)
         .src_color_blend_factor(vk::BlendFactor::ONE)
         .dst_color_blend_factor(vk::BlendFactor::ONE)
         .src_alpha_blend_factor(vk::BlendFactor::ONE)
@@ -381,7 +416,7 @@ impl Pass<'_> {
     }
 }
 
-fn to_general(image: &Image, aspect: vk::ImageAspectFlags) -> vk::ImageMemoryBarrier<'static> {
+pub(super) fn to_general(image: &Image, aspect: vk::ImageAspectFlags) -> vk::ImageMemoryBarrier<'static> {
     vk::ImageMemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
         .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)

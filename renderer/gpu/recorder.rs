@@ -11,7 +11,7 @@ use ash::vk;
 use super::descriptors::DescriptorPools;
 use super::error::Call;
 use super::queries::Queries;
-use super::{Bindings, Buffer, Capability, Device, GpuError, Image, Kernel};
+use super::{Bindings, Buffer, Capability, Device, GpuError, Kernel};
 use crate::spans::{self, Mark};
 
 /// Workgroups along x before a dispatch folds into y; every device offers this many.
@@ -34,6 +34,8 @@ pub struct Recorder {
     /// Times of the passes that were submitted alone.
     times: Vec<PassTime>,
     descriptors: DescriptorPools,
+    /// Whether each pass is submitted when the next one opens.
+    each_pass: bool,
     /// Whatever the commands use, held until they have run.
     held: Vec<Arc<dyn Any>>,
     // Dropped after what is held, which may be the last to use it: fields go in their order.
@@ -42,6 +44,16 @@ pub struct Recorder {
 
 impl Recorder {
     pub fn new(device: &Device) -> Result<Self, GpuError> {
+        Self::with(device, device.quirks.submit_each_pass)
+    }
+
+    /// As [`new`](Self::new), with all passes in one submission whatever the device's quirks: what orders them is then their
+    /// barriers alone. Their times may be wrong.
+    pub fn in_one(device: &Device) -> Result<Self, GpuError> {
+        Self::with(device, false)
+    }
+
+    fn with(device: &Device, each_pass: bool) -> Result<Self, GpuError> {
         let pool_info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(device.queue_family);
@@ -51,10 +63,11 @@ impl Recorder {
             device: device.clone(),
             command_pool,
             commands: vk::CommandBuffer::null(),
-            queries: Queries::new(device),
+            queries: Queries::new(device, !each_pass),
             passes: Vec::new(),
             times: Vec::new(),
             descriptors: DescriptorPools::new(device),
+            each_pass,
             held: Vec::new(),
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(command_pool).command_buffer_count(1);
@@ -72,7 +85,7 @@ impl Recorder {
 
     /// Opens a pass: everything before it is finished and visible to it. Commands within one pass are not ordered.
     pub fn pass(&mut self, name: &str) -> Result<Pass<'_>, GpuError> {
-        if self.device.quirks.submit_each_pass && !self.passes.is_empty() {
+        if self.each_pass && !self.passes.is_empty() {
             self.flush()?;
         }
         let (commands, index) = (self.commands, self.passes.len() as u32);
@@ -208,7 +221,7 @@ impl Recorder {
 
     /// `mark`: when the submission was made, where spans are kept.
     fn read_times(&self, started: Instant, mark: Option<Mark>) -> Result<Vec<PassTime>, GpuError> {
-        if self.device.quirks.submit_each_pass {
+        if self.each_pass {
             let elapsed = started.elapsed().as_secs_f64() * 1e3;
             let milliseconds = self.device.has(Capability::Timestamps).then_some(elapsed);
             if let (Some(mark), Some(milliseconds), [name]) = (mark, milliseconds, self.passes.as_slice()) {
@@ -402,31 +415,6 @@ impl Pass<'_> {
         let region = vk::BufferCopy { src_offset: from_offset, dst_offset: to_offset, size: bytes };
         // SAFETY: both were made for transfers; callers keep the range inside both.
         unsafe { self.recorder.device.raw.cmd_copy_buffer(self.recorder.commands, from.raw, to.raw, &[region]) };
-        self
-    }
-
-    /// Copies a colour target, row after row without gaps, to byte `offset` of a buffer.
-    pub(crate) fn copy_image(&mut self, from: &Image, to: &Buffer, offset: u64) -> &mut Self {
-        self.hold(to);
-        self.recorder.held.push(Arc::new(from.clone()));
-        let region = vk::BufferImageCopy::default()
-            .buffer_offset(offset)
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                layer_count: 1,
-                ..Default::default()
-            })
-            .image_extent(vk::Extent3D { width: from.extent.width, height: from.extent.height, depth: 1 });
-        // SAFETY: the image is in GENERAL since it was drawn to; the buffer holds the whole of it from `offset` on.
-        unsafe {
-            self.recorder.device.raw.cmd_copy_image_to_buffer(
-                self.recorder.commands,
-                from.raw,
-                vk::ImageLayout::GENERAL,
-                to.raw,
-                &[region],
-            );
-        }
         self
     }
 

@@ -32,6 +32,7 @@ pub struct Slot {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlotKind {
     StorageBuffer,
+    StorageImage,
     AccelerationStructure,
 }
 
@@ -47,8 +48,13 @@ pub struct Struct {
 
 /// Reads the interface of the module's only entry point. The error is a reason.
 pub fn reflect(words: &[u32]) -> Result<Interface, String> {
-    let entry_points =
-        ReflectConfig::new().spv(words.to_vec()).reflect().map_err(|e| format!("its SPIR-V cannot be read: {e}"))?;
+    // Where all of its accesses are of these, spirq takes a resource for unused and leaves it out.
+    let unseen = instructions(words).any(|(op, _)| matches!(op, OP_IMAGE_TEXEL_POINTER | OP_ATOMIC_F_ADD));
+    let entry_points = ReflectConfig::new()
+        .spv(words.to_vec())
+        .ref_all_rscs(unseen)
+        .reflect()
+        .map_err(|e| format!("its SPIR-V cannot be read: {e}"))?;
     let [entry] = entry_points.as_slice() else {
         return Err(format!("it has {} entry points instead of one", entry_points.len()));
     };
@@ -88,19 +94,28 @@ pub fn reflect(words: &[u32]) -> Result<Interface, String> {
     Ok(interface)
 }
 
+const OP_CAPABILITY: u32 = 17;
+const OP_IMAGE_TEXEL_POINTER: u32 = 60;
+const OP_ATOMIC_F_ADD: u32 = 6035;
+
+/// The number and the operands of every instruction.
+fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+    const HEADER_WORDS: usize = 5;
+    let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let first = *rest.first()?;
+        let (instruction, after) = rest.split_at(((first >> 16).max(1) as usize).min(rest.len()));
+        rest = after;
+        Some((first & 0xffff, &instruction[1..]))
+    })
+}
+
 /// The operands of every OpCapability.
 fn capabilities(words: &[u32]) -> Vec<u32> {
-    const HEADER_WORDS: usize = 5;
-    const OP_CAPABILITY: u32 = 17;
-    let mut found = Vec::new();
-    let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
-    while let [first, operands @ ..] = rest {
-        if first & 0xffff == OP_CAPABILITY {
-            found.extend(operands.first());
-        }
-        rest = rest.get((first >> 16).max(1) as usize..).unwrap_or_default();
-    }
-    found
+    instructions(words)
+        .filter(|(op, _)| *op == OP_CAPABILITY)
+        .filter_map(|(_, operands)| operands.first().copied())
+        .collect()
 }
 
 fn literal(value: &spirq::constant::ConstantValue) -> Option<u32> {
@@ -116,9 +131,11 @@ fn literal(value: &spirq::constant::ConstantValue) -> Option<u32> {
 fn slot_kind(kind: &DescriptorType) -> Result<SlotKind, String> {
     match kind {
         DescriptorType::StorageBuffer(_) => Ok(SlotKind::StorageBuffer),
+        DescriptorType::StorageImage(_) => Ok(SlotKind::StorageImage),
         DescriptorType::AccelStruct() => Ok(SlotKind::AccelerationStructure),
         other => Err(format!(
-            "it wants a descriptor of kind {other:?}; storage buffers and acceleration structures are offered"
+            "it wants a descriptor of kind {other:?}; storage buffers, storage images and acceleration structures are \
+             offered"
         )),
     }
 }

@@ -48,6 +48,10 @@ pub struct Limits {
     pub subpixel_bits: u32,
     /// Whether rasterised colours of four 32-bit floats can add up.
     pub float_sums: bool,
+    /// Vertices that one invocation of a geometry stage can emit; 0 without such stages.
+    pub geometry_vertices: u32,
+    /// Numbers in all of those vertices together.
+    pub geometry_components: u32,
     /// Nanoseconds per timestamp tick.
     pub timestamp_period: f32,
 }
@@ -93,6 +97,8 @@ fn describe(instance: &Instance, index: usize, raw: vk::PhysicalDevice) -> Resul
         target_side: target_side(&properties.limits),
         subpixel_bits: properties.limits.sub_pixel_precision_bits,
         float_sums: formats.contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND),
+        geometry_vertices: properties.limits.max_geometry_output_vertices,
+        geometry_components: properties.limits.max_geometry_total_output_components,
         timestamp_period: properties.limits.timestamp_period,
     };
     let text = |s: Result<&std::ffi::CStr, _>| s.unwrap_or(c"?").to_string_lossy().into_owned();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Write};
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageReader};
@@ -70,24 +70,39 @@ pub fn write_with(
     pixels: &[[u8; 3]],
     attributes: &BTreeMap<String, String>,
 ) -> Result<(), ImageError> {
-    atomic::write(path, |output| {
-        let size = (u32::try_from(width), u32::try_from(height));
-        let ((Ok(columns), Ok(rows)), true) = (size, pixels.len() == width * height) else {
-            return Err(format!("{} pixels do not make {width}x{height}", pixels.len()));
-        };
-        let mut encoder = Encoder::new(output, columns, rows);
-        encoder.set_color(ColorType::Rgb);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.set_compression(Compression::Fast);
-        encoder.set_filter(Filter::Adaptive);
-        let software = ("Software".to_owned(), SOFTWARE.to_owned());
-        for (keyword, text) in attributes.clone().into_iter().chain([software]) {
-            encoder.add_itxt_chunk(keyword, text).map_err(|error| error.to_string())?;
-        }
-        let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-        writer.write_image_data(pixels.as_flattened()).map_err(|error| error.to_string())?;
-        writer.finish().map_err(|error| error.to_string())
-    })
+    atomic::write(path, |output| encode_to(output, width, height, pixels, attributes))
+}
+
+/// The bytes of such a file without attributes. The error is a reason.
+pub fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    encode_to(&mut bytes, width, height, pixels, &BTreeMap::new())?;
+    Ok(bytes)
+}
+
+fn encode_to(
+    output: impl Write,
+    width: usize,
+    height: usize,
+    pixels: &[[u8; 3]],
+    attributes: &BTreeMap<String, String>,
+) -> Result<(), String> {
+    let size = (u32::try_from(width), u32::try_from(height));
+    let ((Ok(columns), Ok(rows)), true) = (size, pixels.len() == width * height) else {
+        return Err(format!("{} pixels do not make {width}x{height}", pixels.len()));
+    };
+    let mut encoder = Encoder::new(output, columns, rows);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    let software = ("Software".to_owned(), SOFTWARE.to_owned());
+    for (keyword, text) in attributes.clone().into_iter().chain([software]) {
+        encoder.add_itxt_chunk(keyword, text).map_err(|error| error.to_string())?;
+    }
+    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+    writer.write_image_data(pixels.as_flattened()).map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())
 }
 
 /// Reads a PNG of 8-bit RGB, as [`write_with`] makes them, to its last chunk.

@@ -19,7 +19,8 @@ fn help_and_version() {
     let folder = Folder::new();
     let help = folder.run("--help").stdout;
     let view: &[&str] = if cfg!(feature = "viewer") { &["view"] } else { &[] };
-    for command in ["render", "animate", "compare", "volume", "devices", "completions", "man"].iter().chain(view) {
+    let commands = ["render", "animate", "compare", "volume", "devices", "conformance", "completions", "man"];
+    for command in commands.iter().chain(view) {
         assert!(help.contains(&format!("\n  {command} ")), "{command} is not in\n{help}");
         assert!(folder.run(&format!("{command} --help")).stdout.contains("Usage: nephroid"), "{command}");
     }

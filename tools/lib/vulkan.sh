@@ -5,6 +5,7 @@ DEV=/dev
 SYS=/sys
 CACHE=${XDG_CACHE_HOME:-$HOME/.cache}/nephroid
 SWIFTSHADER_ICD=$CACHE/swiftshader/vk_swiftshader_icd.json
+OLD_LAVAPIPE_ICD=$CACHE/lavapipe-old/lvp_icd.json
 
 # Ray queries on lavapipe: present in 25.0.7, absent in 24.0.5 and in Debian 12's own 22.3.
 MESA_WITH_RAY_QUERIES=25
@@ -139,6 +140,7 @@ bring_in_test_needs() {
         libx11-6 libx11-xcb1 libxcursor1 libxi6 libxrandr2 libxkbcommon-x11-0
     bring_in_wanted
     has_swiftshader || bring_in_swiftshader
+    has_old_lavapipe || bring_in_old_lavapipe
 }
 
 # Debian packages SwiftShader only with chromium; two files of it are taken, and chromium is not installed.
@@ -177,4 +179,41 @@ keep_swiftshader() { # FOLDER that holds the two files
         mv -- "$library.partial" "$library" &&
         sed "s|\"library_path\"[^,}]*|\"library_path\": \"$library\"|" "$1/vk_swiftshader_icd.json" >"$SWIFTSHADER_ICD.partial" &&
         mv -- "$SWIFTSHADER_ICD.partial" "$SWIFTSHADER_ICD"
+}
+
+has_old_lavapipe() { [[ -f $OLD_LAVAPIPE_ICD ]] && icd_loads "$OLD_LAVAPIPE_ICD"; }
+
+# Debian 12's own Mesa beside the one from backports: two files of its package are taken, and nothing is installed. The tests
+# can do without it, so whatever stands in the way is told and no more.
+bring_in_old_lavapipe() {
+    local scratch status=0
+    if ! is_debian_12 || ! have apt-get; then
+        say "Debian 12's own lavapipe is skipped: this is not Debian 12."
+        return 0
+    fi
+    if can_be_root; then refresh_apt_index; fi
+    say "Fetching lavapipe out of Debian 12's own mesa-vulkan-drivers ..."
+    scratch=$(mktemp -d)
+    unpack_old_lavapipe "$scratch" && keep_old_lavapipe "$scratch" || status=$?
+    rm -rf -- "$scratch"
+    [[ $status -eq 0 ]] || say "Debian 12's own lavapipe is skipped: its package could not be had; the reason is above."
+}
+
+unpack_old_lavapipe() { # SCRATCH
+    (cd -- "$1" &&
+        apt-get "${APT_OPTIONS[@]}" -o APT::Sandbox::User=root download "mesa-vulkan-drivers/$(os_field VERSION_CODENAME)") >&2 &&
+        dpkg-deb --fsys-tarfile "$1"/mesa-vulkan-drivers_*.deb |
+        tar -x -C "$1" --wildcards '*/libvulkan_lvp.so' '*/lvp_icd.*.json'
+}
+
+keep_old_lavapipe() { # FOLDER that the package's files lie in
+    local folder=${OLD_LAVAPIPE_ICD%/*} library manifest
+    library=$(find "$1" -name libvulkan_lvp.so | sed -n 1p)
+    manifest=$(find "$1" -name 'lvp_icd.*.json' | sed -n 1p)
+    # The manifest comes last: with it, the driver counts as complete.
+    [[ -n $library && -n $manifest ]] && mkdir -p -- "$folder" &&
+        cp -- "$library" "$folder/libvulkan_lvp.so.partial" &&
+        mv -- "$folder/libvulkan_lvp.so.partial" "$folder/libvulkan_lvp.so" &&
+        sed "s|\"library_path\"[^,}]*|\"library_path\": \"$folder/libvulkan_lvp.so\"|" "$manifest" >"$OLD_LAVAPIPE_ICD.partial" &&
+        mv -- "$OLD_LAVAPIPE_ICD.partial" "$OLD_LAVAPIPE_ICD"
 }

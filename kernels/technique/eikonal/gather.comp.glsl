@@ -16,7 +16,7 @@ layout(set = 3, binding = 6, std430) readonly buffer EikonalLights { float cell_
 
 #include "technique/eikonal/look_up.glsl"
 
-layout(push_constant) uniform GatherPush {
+layout(push_constant) uniform LookUpPush {
     uint light;
     uint first;   // 1: nothing has been added up for this sample yet
     uint shadows; // 0: nothing but surfaces that refract is in the way

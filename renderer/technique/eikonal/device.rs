@@ -144,7 +144,7 @@ crate::gpu_struct! {
 
 crate::gpu_struct! {
     /// See `kernels/technique/eikonal/gather.comp.glsl`.
-    pub struct GatherPush {
+    pub struct LookUpPush {
         pub light: u32,
         pub first: u32,
         pub shadows: u32,
@@ -154,7 +154,7 @@ crate::gpu_struct! {
 }
 
 pub const LAYOUTS: &[Layout] = &[
-    GatherPush::LAYOUT,
+    LookUpPush::LAYOUT,
     EikonalGrid::LAYOUT,
     EikonalSource::LAYOUT,
     EikonalVolume::LAYOUT,

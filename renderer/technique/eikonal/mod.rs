@@ -28,7 +28,7 @@ use crate::frame::Frame;
 use crate::gpu::{Device, GpuError, Kernel, Recorder};
 use crate::gpu_scene::GpuScene;
 use crate::scene::Scene;
-use device::GatherPush;
+use device::LookUpPush;
 use file::{LightUnit, StoredVolume, VolumeFileError};
 use lit::{LitVolume, Stages};
 
@@ -122,7 +122,7 @@ impl Technique for Eikonal {
             self.record_volumes(frame, recorder)?;
         }
         for (at, (light, volume)) in self.lit().enumerate() {
-            let push = GatherPush {
+            let push = LookUpPush {
                 light,
                 first: u32::from(at == 0),
                 shadows: u32::from(self.shadows),

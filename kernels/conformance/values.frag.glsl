@@ -1,0 +1,12 @@
+// Each triangle has a colour of its own.
+#include "conformance/draw.glsl"
+
+layout(set = 3, binding = 1, std430) readonly buffer Values { vec4 values[]; };
+
+layout(location = 0) flat in uint id;
+layout(location = 1) in vec2 weights;
+layout(location = 0) out vec4 color;
+
+void main() {
+    color = values[id];
+}
