@@ -54,7 +54,7 @@ struct Row {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = options()?;
-    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
+    let truth = Truth::read(&options.truth, &options.layer, options.mask.as_deref())?;
     let frame = RenderSettings { technique: TechniqueKind::None, ..options.settings.clone() };
     let (about, rows) = run(&options, &frame, None)?;
     let frame_seconds = rows.last().map_or(0.0, |row| row.seconds / f64::from(row.samples));

@@ -24,7 +24,7 @@ struct Options {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = options()?;
-    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
+    let truth = Truth::read(&options.truth, &options.layer, options.mask.as_deref())?;
     let mut renderer = Renderer::new(scene::load(&options.scene)?, &options.settings)?;
     println!(
         "{}, {}, camera {}",

@@ -59,7 +59,7 @@ pub fn dropped(run: &Run) -> Result<f64, Box<dyn Error>> {
 /// The truth that was asked for, or what a camera of the pool sees.
 pub fn truth(options: &Options, camera: &str) -> Result<Truth, Box<dyn Error>> {
     let own = || PathBuf::from(format!("tests/truth/pool_{camera}_120x90.exr"));
-    Truth::read(&options.truth.clone().unwrap_or_else(own), options.mask.as_deref())
+    Truth::read(&options.truth.clone().unwrap_or_else(own), &options.layer, options.mask.as_deref())
 }
 
 /// `options`' settings with a camera, a size and more `--set` items, which those of `options` win over.

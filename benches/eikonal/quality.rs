@@ -82,7 +82,7 @@ pub fn measure(options: &Options, device: &Device) -> Result<serde_json::Value, 
 fn truth(options: &Options, device: &Device) -> Result<(Truth, RenderSettings), Box<dyn Error>> {
     let samples = Some(options.samples);
     if let Some(path) = &options.truth {
-        let truth = Truth::read(path, options.mask.as_deref())?;
+        let truth = Truth::read(path, &options.layer, options.mask.as_deref())?;
         let size = Some(truth.size());
         return Ok((truth, RenderSettings { size, samples, ..options.settings.clone() }));
     }

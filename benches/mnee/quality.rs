@@ -55,7 +55,7 @@ impl Timer {
 }
 
 pub fn measure(options: &Options) -> Result<serde_json::Value, Box<dyn Error>> {
-    let truth = Truth::read(&options.truth, options.mask.as_deref())?;
+    let truth = Truth::read(&options.truth, &options.layer, options.mask.as_deref())?;
     let uniform = RenderSettings {
         camera: Some(options.settings.camera.clone().unwrap_or(CAMERA.to_string())),
         size: Some(options.settings.size.unwrap_or(SIZE)),

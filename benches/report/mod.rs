@@ -20,10 +20,11 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Holds where `mask` says or else the picture's own layer `mask`, or everywhere.
-    pub fn read(path: &Path, mask: Option<&Path>) -> Result<Self, Box<dyn Error>> {
+    /// The layer of that name where the file has one, else its final or only one. Holds where `mask` says or else the picture's
+    /// own layer `mask`, or everywhere.
+    pub fn read(path: &Path, layer: &str, mask: Option<&Path>) -> Result<Self, Box<dyn Error>> {
         let image = image::read(path)?;
-        let picture = image.select(path, None)?;
+        let picture = image.select(path, image.layer(layer).map(|found| found.name.as_str()))?;
         let mask = match mask {
             Some(mask) => png::read_mask(mask)?,
             None => mask_layer(&image, &picture),
