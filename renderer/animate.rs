@@ -95,6 +95,11 @@ impl Animator {
         }
     }
 
+    /// Keeps no frame before any more.
+    pub fn drop_previous(&mut self) {
+        self.previous = None;
+    }
+
     /// The frame before, where it is kept and a frame has been gone to.
     pub fn previous(&self) -> Option<&Previous> {
         self.previous.as_ref()

@@ -45,9 +45,11 @@ fn picture(renderer: &mut Renderer) -> Picture {
 }
 
 fn frame_alone(request: &Request) {
-    for (technique, set) in
-        [(TechniqueKind::Mnee, &[][..]), (TechniqueKind::Reference, &["reference.photons=20000"][..])]
-    {
+    for (technique, set) in [
+        (TechniqueKind::Mnee, &[][..]),
+        (TechniqueKind::Reference, &["reference.photons=20000"]),
+        (TechniqueKind::Eikonal, &["eikonal.resolution=48"]),
+    ] {
         let settings = settings(request, technique, set);
         let mut row = request.renderer(coarse("pool.toml"), &settings);
         let first = picture(&mut row);

@@ -17,6 +17,10 @@ const STORAGE_BUFFERS: usize = 24;
 #[test]
 fn structs_are_laid_out_as_on_the_host() {
     let layouts = layouts();
+    for layout in &layouts {
+        let same = layouts.iter().filter(|other| other.name == layout.name).count();
+        assert_eq!(same, 1, "structs named {}", layout.name);
+    }
     let mut seen = BTreeSet::new();
     for kernel in KERNELS {
         let interface = reflect(&kernel.words()).unwrap();

@@ -90,8 +90,14 @@ fn plays_a_script() {
         camera under
         wait 2
         screenshot back.png
+        taa 4                  # in use and out of it again: nothing of it is left in what stands still
         split none
         frame 3
+        turn 0.1 0
+        turn 0.1 0
+        wait 2
+        camera under
+        taa off
         minimise
         restore
         window 900x640

@@ -6,7 +6,7 @@ use crate::image::{FINAL_LAYER, Layer, LayeredImage, RgbImage};
 use crate::random;
 use crate::spans;
 use crate::stats::{self, PassTotal, Stats};
-use crate::taa::Taa;
+use crate::taa::{Taa, TaaSettings};
 use crate::view::{Band, View};
 
 impl Renderer {
@@ -17,6 +17,31 @@ impl Renderer {
     /// Frames that a picture is made of, 1 without anti-aliasing.
     pub fn taa_frames(&self) -> u32 {
         self.taa_settings.map_or(1, |taa| taa.frames)
+    }
+
+    /// Makes pictures of several frames from now on, or of one, and forgets all samples and the frames before.
+    pub fn set_taa(&mut self, settings: Option<TaaSettings>) -> Result<(), RenderError> {
+        self.passes.clear();
+        let before = std::mem::replace(&mut self.taa_settings, settings);
+        self.begin_row().and_then(|()| self.make_bands()).or_else(|error| {
+            self.taa_settings = before;
+            self.begin_row()?;
+            self.make_bands()?;
+            Err(error)
+        })
+    }
+
+    /// Keeps the frame before, or no longer. The first of those that were shown is the one at hand.
+    fn begin_row(&mut self) -> Result<(), RenderError> {
+        self.shown_by = None;
+        self.animator.drop_previous();
+        if self.taa_settings.is_some() || self.motion.is_some() {
+            self.animator.keep_previous(&self.gpu_scene)?;
+        }
+        match self.history() {
+            Some(History::Shown) => Ok(self.animator.keep_now(&self.scene, &self.gpu_scene)?),
+            _ => self.move_to(self.frame),
+        }
     }
 
     /// Number of the picture in the row that anti-aliasing makes one of.

@@ -248,6 +248,7 @@ fn stage(base: &Base<'_>, wish: &Wish, method: &Method) -> Result<Stage, RenderE
         camera: Some(camera),
         size: Some(near.size),
         frame: near.frame,
+        taa: near.taa_settings(),
         ..base.settings.clone()
     };
     let renderer = Renderer::with_device(base.device.clone(), base.scene.clone(), &settings)?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::render::MAX_SIDE;
+use crate::taa;
 use crate::technique::TechniqueKind;
 
 /// The steps as `--help` and messages list them.
@@ -17,6 +18,7 @@ A script has one step a line; # begins a comment:
   turn X Y             orbits by X and Y heights of the picture, moving
   frame N              goes to a frame of the animation
   exposure STOPS       brightens or darkens the picture
+  taa N                makes a picture of N while things move; 'taa off' ends it
   size WxH             renders pictures of that size
   window WxH           gives the window that size
   split NAME           shows that technique beside the first; 'split off' ends it
@@ -36,6 +38,8 @@ pub enum Step {
     Turn(f32, f32),
     Frame(u32),
     Exposure(f32),
+    /// 1 for none but itself.
+    Taa(u32),
     Size(u32, u32),
     Window(u32, u32),
     Split(Option<TechniqueKind>),
@@ -111,6 +115,16 @@ fn parse(text: &str) -> Result<Step, String> {
         }
         "frame" => Step::Frame(number(need("a frame's number")?, "a frame's number")?),
         "exposure" => Step::Exposure(real(need("stops")?)?),
+        "taa" => Step::Taa(match off(need("a number of frames, or off")?) {
+            None => 1,
+            Some(text) => match number(&text, "a number of frames")? {
+                frames if taa::FRAMES.contains(&frames) => frames,
+                _ => {
+                    let (least, most) = (taa::FRAMES.start(), taa::FRAMES.end());
+                    return Err(format!("'{text}' is out of range; a picture is made of {least} to {most} frames"));
+                }
+            },
+        }),
         "size" | "window" => {
             let (width, height) = need("width x height, such as 640x480")?
                 .split_once('x')
@@ -147,11 +161,14 @@ mod tests {
         assert_eq!(parse("turn 0.5 -0.25"), Ok(Step::Turn(0.5, -0.25)));
         assert_eq!(parse("turn\t1\t  2"), Ok(Step::Turn(1.0, 2.0)));
         assert_eq!(parse("split off"), Ok(Step::Split(None)));
+        assert_eq!(parse("taa 8"), Ok(Step::Taa(8)));
+        assert_eq!(parse("taa off"), Ok(Step::Taa(1)));
         for (line, message) in [
             ("jump", "'jump' is no step"),
             ("wait", "'wait' needs a number of samples"),
             ("wait x", "'x' is not a number of samples"),
             ("size 0x5", "out of range"),
+            ("taa 1", "made of 2 to 64 frames"),
             ("technique glass", "there is no technique \"glass\""),
         ] {
             let refused = parse(line).unwrap_err();

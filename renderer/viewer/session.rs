@@ -100,7 +100,7 @@ impl Session {
         let size = render.size.or(heat.as_ref().map(Heat::size)).unwrap_or((scene.film.width, scene.film.height));
         let camera = render.camera.clone().or_else(|| scene.cameras.first().map(|c| c.name.clone()));
         let eye = Eye::Scene(camera.unwrap_or_default());
-        let wish = Wish { eye, lights: None, frame: render.frame, size };
+        let wish = Wish { eye, lights: None, frame: render.frame, size, taa: render.taa.map_or(1, |taa| taa.frames) };
         // Wrong settings are refused here; from then on all come from the panel's table.
         let items: Vec<String> = scene.settings.iter().map(|setting| setting.item()).collect();
         let method = Method::new(render.technique, &[items.as_slice(), &render.set].concat());

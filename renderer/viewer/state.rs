@@ -2,6 +2,7 @@
 
 use crate::render::{RenderError, Renderer};
 use crate::scene::{Camera, Light};
+use crate::taa::{History, TaaSettings};
 use crate::technique::{Setting, SettingKind, TechniqueKind};
 
 /// Where the scene is looked at from.
@@ -23,6 +24,15 @@ pub struct Wish {
     pub frame: u32,
     /// Pixels.
     pub size: (u32, u32),
+    /// Pictures that one is made of while things move, 1 for none but itself.
+    pub taa: u32,
+}
+
+impl Wish {
+    /// What the renderer is told of [`taa`](Self::taa).
+    pub fn taa_settings(&self) -> Option<TaaSettings> {
+        (self.taa > 1).then_some(TaaSettings { frames: self.taa, history: History::Shown })
+    }
 }
 
 /// A technique and what the settings of all of them are; those of the others are remembered.
@@ -135,7 +145,10 @@ impl Stage {
         let was_broken = std::mem::replace(&mut self.broken, true);
         let followed = if was_broken || !self.method.is_like(method) {
             Followed::Technique
-        } else if self.wish.frame != wish.frame || (self.wish.lights.is_some() && wish.lights.is_none()) {
+        } else if self.wish.taa != wish.taa
+            || self.wish.frame != wish.frame
+            || (self.wish.lights.is_some() && wish.lights.is_none())
+        {
             Followed::Posed
         } else {
             Followed::Restarted
@@ -169,6 +182,10 @@ impl Stage {
         if all || self.wish.size != wish.size {
             self.renderer.set_size(wish.size)?;
             self.wish.size = wish.size;
+        }
+        if all || self.wish.taa != wish.taa {
+            self.renderer.set_taa(wish.taa_settings())?;
+            self.wish.taa = wish.taa;
         }
         if all || !self.method.is_like(method) {
             self.renderer.set_technique(method.kind, &method.items())?;

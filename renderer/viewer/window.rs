@@ -329,6 +329,7 @@ impl Live {
             }
             Step::Frame(frame) => session.wish.frame = *frame,
             Step::Exposure(stops) => session.look.exposure = *stops,
+            Step::Taa(frames) => session.wish.taa = *frames,
             Step::Size(width, height) => session.wish.size = (*width, *height),
             Step::Split(kind) => session.split(*kind).map_err(|e| StepError::Line(e.to_string()))?,
             Step::Heat(layer) => return self.heat_step(layer.as_deref()).map(|()| true),

@@ -210,7 +210,7 @@ fn comparisons_and_pages() {
     assert!(stderr.starts_with("nephroid: gone.exr: cannot be read: "), "{stderr}");
     let stderr = folder.refused(folder.command(["man", "woman"]), 1);
     let view = if cfg!(feature = "viewer") { "view, " } else { "" };
-    let allowed = format!("render, animate, {view}compare, devices, completions, man, help");
+    let allowed = format!("render, animate, {view}compare, volume, devices, conformance, completions, man, help");
     let sentence = format!("there is no command 'woman' to print a manual page of; allowed are: {allowed}");
     assert_eq!(stderr, format!("nephroid: {sentence}\n"));
     let stderr = folder.refused(folder.command(["completions", "crab"]), 2);

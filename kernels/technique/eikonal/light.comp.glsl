@@ -13,7 +13,7 @@ layout(set = 3, binding = 6, std430) writeonly buffer EikonalLights { float cell
 
 #include "technique/eikonal/slopes.glsl"
 
-layout(push_constant) uniform LightPush {
+layout(push_constant) uniform LitPush {
     uint volume;
     uint runs; // of a row of cells
 } push;

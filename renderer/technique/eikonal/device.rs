@@ -86,7 +86,7 @@ crate::gpu_struct! {
 
 crate::gpu_struct! {
     /// See `kernels/technique/eikonal/light.comp.glsl`.
-    pub struct LightPush {
+    pub struct LitPush {
         pub volume: u32,
         pub runs: u32,
     }
@@ -163,7 +163,7 @@ pub const LAYOUTS: &[Layout] = &[
     EikonalSweep::LAYOUT,
     SweepPush::LAYOUT,
     SettlePush::LAYOUT,
-    LightPush::LAYOUT,
+    LitPush::LAYOUT,
     CurvePush::LAYOUT,
     SpreadPush::LAYOUT,
     CheckPush::LAYOUT,

@@ -35,7 +35,7 @@ pub(super) struct Dissipation {
 }
 
 impl Plan {
-    pub fn new(scene: &Scene, light: usize, options: &VolumeOptions, before: Option<&Grid>) -> Option<Self> {
+    pub fn new(scene: &Scene, light: usize, options: &VolumeOptions) -> Option<Self> {
         let light = &scene.lights[light];
         let surface = RefractingSurface::of(scene, light)?;
         let index = |medium: MediumId| if options.infinite { 1.0 } else { f64::from(scene.media[medium].index) };
@@ -43,7 +43,7 @@ impl Plan {
         let way = surface.mean_way(&source, index(surface.wave_medium));
         let grid = match options.grid {
             Some(grid) => grid,
-            None => surface.grid(scene, way, options.resolution, before)?,
+            None => surface.grid(scene, way, options.resolution)?,
         };
         let planes = EikonalGrid::new(&grid, way, index(surface.wave_medium));
         let (shared_source, offset) = EikonalSource::new(&source, &grid);

@@ -1,6 +1,6 @@
 //! The surface through which a light gets into another medium, and the box of cells behind it.
 
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::Grid;
 use super::path::Source;
@@ -105,9 +105,7 @@ impl RefractingSurface {
     }
 
     /// Cells over what is to be lit below the surface, `resolution` along the longest side; `None` where there is nothing.
-    /// With `before`, an earlier grid of the same light, cells are those of its lattice, so that they stay where they are
-    /// while things move.
-    pub fn grid(&self, scene: &Scene, way: Vec3, resolution: u32, before: Option<&Grid>) -> Option<Grid> {
+    pub fn grid(&self, scene: &Scene, way: Vec3, resolution: u32) -> Option<Grid> {
         let lit = scene.bounds_of(|instance| !scene.materials[instance.material].surface.is_specular());
         let along = way.abs().max_position();
         let (mut lower, mut upper) = (lit.min.max(self.bounds.min), lit.max.min(self.bounds.max));
@@ -120,32 +118,32 @@ impl RefractingSurface {
         if !(upper.cmpgt(lower).all() && lower.is_finite() && upper.is_finite()) {
             return None;
         }
-        let longest = f64::from((upper - lower).max_element());
-        let fresh = longest / (f64::from(resolution) - 2.0 * MARGIN).max(1.0);
-        let cell = before.map_or(fresh, |grid| grid.cell);
-        let margin = Vec3::splat((MARGIN * cell) as f32);
+        // Waves change this from frame to frame. A frame has the cells that are its own, and yet they stay where they are: in
+        // steps, and counted from the end that is lit.
+        let step = (upper - lower).max_element().log2().floor().exp2() * STEP;
+        (lower[along], upper[along]) = ((lower[along] / step).floor() * step, (upper[along] / step).ceil() * step);
         // Across the light's way the surface's own extent is the end: beyond it nothing is known.
         let (mut least, mut most) = (self.bounds.min, self.bounds.max);
         (least[along], most[along]) = (f32::NEG_INFINITY, f32::INFINITY);
-        let lower = (lower - margin).max(least).as_dvec3();
-        let upper = (upper + margin).min(most).as_dvec3();
-        Some(match before {
-            None => {
-                let cells = ((upper - lower) / cell + SLACK).floor().max(DVec3::ONE);
-                let left = upper - lower - cells * cell;
-                Grid { lower: lower + 0.5 * left, cell, cells: cells.as_uvec3().to_array() }
-            }
-            Some(grid) => {
-                // Of the lattice, all cells that are within the box, and along the light's way those that touch it.
-                let place = |at: DVec3| (at - grid.lower) / cell;
-                let (mut first, mut end) = ((place(lower) - SLACK).ceil(), (place(upper) + SLACK).floor());
-                (first[along], end[along]) = (place(lower)[along].floor(), place(upper)[along].ceil());
-                let cells: UVec3 = (end - first).max(DVec3::ONE).as_uvec3();
-                Grid { lower: grid.lower + first * cell, cell, cells: cells.to_array() }
-            }
-        })
+        let widened = |cell: f64| {
+            let margin = Vec3::splat((MARGIN * cell) as f32);
+            ((lower - margin).max(least).as_dvec3(), (upper + margin).min(most).as_dvec3())
+        };
+        let longest = f64::from((upper - lower).max_element());
+        let (least, most) = widened(longest / (f64::from(resolution) - 2.0 * MARGIN).max(1.0));
+        // There may have been no room for the margins.
+        let cell = (most - least).max_element() / f64::from(resolution);
+        let (lower, upper) = widened(cell);
+        let mut cells = ((upper - lower) / cell + SLACK).floor().max(DVec3::ONE);
+        cells[along] = ((upper - lower)[along] / cell - SLACK).ceil().max(1.0);
+        let left = upper - lower - cells * cell;
+        let mut first = lower + 0.5 * left;
+        first[along] = if way[along] < 0.0 { lower[along] } else { lower[along] + left[along] };
+        Some(Grid { lower: first, cell, cells: cells.as_uvec3().to_array() })
     }
 }
 
+/// Of the longest side, rounded down to a power of two: what the extent along the light's way is a multiple of.
+const STEP: f32 = 1.0 / 64.0;
 /// Of a cell, by which a box may be short of whole ones.
 const SLACK: f64 = 1e-3;

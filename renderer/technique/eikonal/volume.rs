@@ -1,7 +1,7 @@
 //! One light's volume: where it is, what is given next to the surface, and what the wave makes of it.
 
 use super::Grid;
-use super::device::{CurvePush, EikonalPush, EikonalVolume, LightPush, OUTSIDE, SpreadPush, UNKNOWN};
+use super::device::{CurvePush, EikonalPush, EikonalVolume, LitPush, OUTSIDE, SpreadPush, UNKNOWN};
 use super::file::{LightUnit, StoredVolume, VolumeHeader};
 use super::host;
 use super::plan::{Dissipation, Plan};
@@ -120,7 +120,7 @@ impl Volume {
         light: usize,
         options: &VolumeOptions,
     ) -> Result<Option<Self>, GpuError> {
-        let plan = Plan::new(scene, light, options, None);
+        let plan = Plan::new(scene, light, options);
         plan.map(|plan| Self::with_plan(device, plan, light, options)).transpose()
     }
 
@@ -161,7 +161,7 @@ impl Volume {
         }
         let grid = Grid { lower: header.lower.into(), cell: header.cell, cells: header.cells };
         let options = VolumeOptions { grid: Some(grid), ..VolumeOptions::default() };
-        let Some(mut plan) = Plan::new(scene, header.light, &options, None) else {
+        let Some(mut plan) = Plan::new(scene, header.light, &options) else {
             return Ok(Err(format!("light {} comes through no surface here", header.light)));
         };
         let planes = &plan.shared.grid;
@@ -221,9 +221,9 @@ impl Volume {
     }
 
     /// Takes the volume to what the scene has become: the same light, and instances with the triangles they had. False where
-    /// there is nothing left to light. Cells stay where they were in space, but there may be more or fewer.
+    /// there is nothing left to light. There may be other cells.
     pub fn update(&mut self, device: &Device, scene: &Scene) -> Result<bool, GpuError> {
-        let Some(plan) = Plan::new(scene, self.light, &self.options, Some(&self.plan.grid)) else { return Ok(false) };
+        let Some(plan) = Plan::new(scene, self.light, &self.options) else { return Ok(false) };
         if plan.grid.cells != self.plan.grid.cells || plan.shared.grid.axes != self.plan.shared.grid.axes {
             *self = Self::with_plan(device, plan, self.light, &self.options)?;
             return Ok(true);
@@ -303,7 +303,7 @@ impl Volume {
         match self.options.intensity {
             Intensity::Transport => {
                 let [u, v, planes] = self.plan.shared.grid.cells;
-                let push = LightPush { volume: 0, runs: u.div_ceil(RUN) };
+                let push = LitPush { volume: 0, runs: u.div_ceil(RUN) };
                 recorder.pass("eikonal/light")?.dispatch(&kernels.light, &bindings, &push, push.runs * v * planes)?;
             }
             Intensity::Laplacian { base, gain, power } => {

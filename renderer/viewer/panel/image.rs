@@ -4,6 +4,7 @@ use egui::{ComboBox, DragValue, Ui};
 
 use super::{BAD, form, row, slider};
 use crate::scene::ToneCurve;
+use crate::taa;
 use crate::viewer::heat::Heat;
 use crate::viewer::pane;
 use crate::viewer::session::{Scale, Session};
@@ -28,6 +29,11 @@ pub fn show(ui: &mut Ui, session: &mut Session) {
             for (name, scale) in scales {
                 ui.selectable_value(&mut session.scale, scale, name);
             }
+        });
+        let about = "Temporal anti-aliasing: pictures that one is made of while things move, those shown before it among them; 1 for \
+                     none but itself";
+        row(ui, "made of", about, |ui| {
+            ui.add(slider(&mut session.wish.taa, 1..=*taa::FRAMES.end()).logarithmic(true));
         });
         row(ui, "samples", "After so many the picture is left as it is", |ui| {
             ui.add(DragValue::new(&mut session.limit).range(1..=1_000_000).clamp_existing_to_range(false));
