@@ -45,6 +45,7 @@ fn main() -> ExitCode {
         case("waves_in_planes_keep_all_light", light::spread),
         case("the_laplacian_is_that_of_a_cap", light::laplacian),
         case("flat_water_shows_the_closed_form", picture::flat_water),
+        case("the_printed_start_lights_flat_water", picture::printed_start),
         case("shadows_and_absorption_are_those_of_mnee", picture::shadows),
         case("the_pool_is_the_truth", picture::pool),
         case("tracing_tiers_agree", picture::tiers),

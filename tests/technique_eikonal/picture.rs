@@ -55,6 +55,23 @@ pub fn flat_water(request: &Request) {
     assert!((energy - 1.0).abs() < FLAT.0 && rms < FLAT.1, "{energy} and {rms}");
 }
 
+/// Of the light, what the noise of snapped points may take or add, in the mean: a cell's value is off by up to half a cell.
+const SNAPPED: f64 = 0.1;
+
+/// Two triangles, far larger than cells, and surface cells whose middles may be in the air.
+pub fn printed_start(request: &Request) {
+    for cells in [47, 48] {
+        let light = |start: &str| {
+            let set = [format!("eikonal.resolution={cells}"), format!("eikonal.start={start}")];
+            let set = [set[0].as_str(), &set[1], "eikonal.solver=marching"];
+            caustic(request, flat(), TechniqueKind::Eikonal, &set).iter().map(|p| f64::from(p[1])).sum::<f64>()
+        };
+        let ratio = light("printed") / light("light");
+        println!("{cells} cells: {ratio:.4} of the light");
+        assert!((ratio - 1.0).abs() < SNAPPED, "{cells} cells: {ratio}");
+    }
+}
+
 /// Boards in the water and above it, in water that takes light.
 const BOARDS: &str = r#"
 [[object]]

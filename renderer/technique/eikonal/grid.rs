@@ -48,4 +48,14 @@ impl Grid {
     pub fn strides(&self) -> [usize; 3] {
         [1, self.cells[0] as usize, self.cells[0] as usize * self.cells[1] as usize]
     }
+
+    /// Those that share a face with a cell, up to six.
+    pub fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
+        let (place, strides, cells) = (self.place(index), self.strides(), self.cells);
+        (0..3).flat_map(move |axis| {
+            let below = (place[axis] > 0).then(|| index - strides[axis]);
+            let above = (place[axis] + 1 < cells[axis]).then(|| index + strides[axis]);
+            [below, above].into_iter().flatten()
+        })
+    }
 }

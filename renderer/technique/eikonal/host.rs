@@ -19,7 +19,13 @@ pub(super) fn march_from(plan: &Plan, scene: &Scene, values: &[f64], given: &[bo
     if how.sides {
         // Marching along sides counts in cells' ways.
         start.iter_mut().for_each(|value| *value /= index);
-        close_boundaries(grid, &mut start, |at| way_at(grid, &exact, at));
+        let mut main = DVec3::ZERO;
+        main[plan.shared.grid.axes[2] as usize] = if plan.shared.grid.backward != 0 { -1.0 } else { 1.0 };
+        // The middle of a cell that vertices fell into may be outside of the medium, where there is no wave to ask.
+        let inside = |at: &usize| exact[*at].is_finite();
+        let nearest = |at: usize| std::iter::once(at).chain(grid.neighbours(at)).find(inside);
+        let way = |at: usize| nearest(at).map_or(main, |at| way_at(grid, &exact, at));
+        close_boundaries(grid, &mut start, way);
         start.iter_mut().for_each(|value| *value *= index);
     }
     let mut found = march(grid, |_| index, &start, how.order);
@@ -31,8 +37,9 @@ pub(super) fn march_from(plan: &Plan, scene: &Scene, values: &[f64], given: &[bo
 fn snapped(plan: &Plan, scene: &Scene, exact: &[f64], index: f64) -> Vec<f64> {
     let vertices = plan.facets.iter().flat_map(|facets| {
         let instance = &scene.instances[facets.instance as usize];
-        let positions = &scene.meshes[instance.mesh].positions;
-        positions.iter().map(|&position| instance.transform.transform_point3(position).as_dvec3())
+        let mesh = &scene.meshes[instance.mesh];
+        let corner = |&at: &u32| instance.transform.transform_point3(mesh.positions[at as usize]).as_dvec3();
+        mesh.triangles.iter().flat_map(move |corners| points(corners.each_ref().map(corner), plan.grid.cell))
     });
     let path = |vertex: DVec3, centre: DVec3| plan.source.path_to(vertex) + index * vertex.distance(centre);
     let mut start: Vec<f64> = exact.iter().map(|v| if v.is_nan() { f64::NAN } else { f64::INFINITY }).collect();
@@ -40,6 +47,15 @@ fn snapped(plan: &Plan, scene: &Scene, exact: &[f64], index: f64) -> Vec<f64> {
         start[cell] = value;
     }
     start
+}
+
+/// A triangle's corners, and where they are more than a cell apart, points between them: the paper takes meshes to be as fine
+/// as cells.
+fn points([a, b, c]: [DVec3; 3], cell: f64) -> impl Iterator<Item = DVec3> {
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let parts = (longest / cell).ceil().clamp(1.0, 4096.0) as u32;
+    let place = move |i: u32, j: u32| a + ((b - a) * f64::from(i) + (c - a) * f64::from(j)) / f64::from(parts);
+    (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| place(i, j)))
 }
 
 /// Unit; where light goes at a cell, from values around it.

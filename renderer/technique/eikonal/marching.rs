@@ -116,22 +116,13 @@ impl<'a> March<'a> {
         self.phi
     }
 
-    fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
-        let (place, strides, cells) = (self.grid.place(index), self.grid.strides(), self.grid.cells);
-        (0..3).flat_map(move |axis| {
-            let below = (place[axis] > 0).then(|| index - strides[axis]);
-            let above = (place[axis] + 1 < cells[axis]).then(|| index + strides[axis]);
-            [below, above].into_iter().flatten()
-        })
-    }
-
     fn first_neighbour(&self, index: usize) -> Option<usize> {
-        let known = self.neighbours(index).filter(|&n| self.accepted[n]);
+        let known = self.grid.neighbours(index).filter(|&n| self.accepted[n]);
         known.min_by(|&a, &b| self.phi[a].total_cmp(&self.phi[b]))
     }
 
     fn update_neighbours(&mut self, index: usize, cost: &impl Fn(usize) -> f64) {
-        for neighbour in self.neighbours(index) {
+        for neighbour in self.grid.neighbours(index) {
             if self.accepted[neighbour] || self.phi[neighbour].is_nan() {
                 continue;
             }
