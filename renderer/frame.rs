@@ -116,7 +116,7 @@ impl Frame {
         let segments = u64::from(view.segments) * points * size_of::<ViewSegment>() as u64;
         let listed = if adaptive.is_some() { pixels } else { 0 };
         let primary_ids = Buffer::new(device, "primary ids", pixels * 8)?;
-        let variant = tracer.backend.variant();
+        let variant = tracer.variant();
         let fits = view.width.max(view.rows) <= device.info.limits.target_side;
         // The raster shifts its projection as a whole, and adaptive samples each have a pixel and a place of their own.
         let visibility = if device.has(Capability::PreciseRaster) && fits && adaptive.is_none() {

@@ -132,7 +132,7 @@ impl LightViews {
             texels: Buffer::new(device, "light texels", 0)?,
             raster,
             draws: draws(scene),
-            resolve: Kernel::new(device, "light/resolve", tracer.backend.variant())?,
+            resolve: Kernel::new(device, "light/resolve", tracer.variant())?,
         };
         made.restart(device, scene)?;
         Ok(made)

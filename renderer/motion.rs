@@ -17,7 +17,7 @@ pub struct MotionVectors {
 
 impl MotionVectors {
     pub fn new(device: &Device, tracer: &Tracer) -> Result<Self, GpuError> {
-        Ok(MotionVectors { kernel: Kernel::new(device, "frame/motion", tracer.backend.variant())? })
+        Ok(MotionVectors { kernel: Kernel::new(device, "frame/motion", tracer.variant())? })
     }
 
     /// For each pixel of the band that `frame` renders, the way of the first surface's point at the pixel's centre from

@@ -369,7 +369,7 @@ impl Renderer {
     /// What the device's capabilities led to: `cwbvh tracing, raster visibility`.
     pub fn tier(&self) -> String {
         let visibility = self.bands.first().map_or("", |band| band.frame.visibility_tier());
-        format!("{} tracing, {visibility}", self.tracer.backend.variant())
+        format!("{} tracing, {visibility}", self.tracer.backend.module())
     }
 
     /// Why the tracing back-end is the one it is.

@@ -156,7 +156,7 @@ impl Taa {
         Ok(Taa {
             settings,
             size,
-            take: Kernel::new(device, "taa/take", tracer.backend.variant())?,
+            take: Kernel::new(device, "taa/take", tracer.variant())?,
             begin: Kernel::new(device, "taa/begin", "")?,
             measure: Kernel::new(device, "taa/measure", "")?,
             weigh: Kernel::new(device, "taa/weigh", "")?,

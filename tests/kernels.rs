@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use nephroid::gpu::reflect;
+use nephroid::gpu::{Parts, constants, reflect};
 use nephroid::layouts::layouts;
 use nephroid_kernels::KERNELS;
 
@@ -44,6 +44,19 @@ fn structs_are_laid_out_as_on_the_host() {
     }
     let unused: Vec<_> = layouts.iter().map(|l| l.name).filter(|name| !seen.contains(name)).collect();
     assert!(unused.is_empty(), "no kernel reads {unused:?}");
+}
+
+#[test]
+fn constants_are_the_parts_of_a_scene() {
+    let mut seen = BTreeSet::new();
+    for kernel in KERNELS {
+        for (id, name) in constants(&kernel.words()) {
+            let part = Parts::NAMES.get(id as usize).copied();
+            assert_eq!(part, Some(name.as_str()), "constant {id} of {} {}", kernel.name, kernel.variant);
+            seen.insert(id);
+        }
+    }
+    assert_eq!(seen.len(), Parts::NAMES.len(), "kernels ask for {seen:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 #include "shared/media.glsl"
 #include "shared/meets.glsl"
 #include "shared/optics.glsl"
+#include "shared/parts.glsl"
 #include "shared/random.glsl"
 #include "shared/view.glsl"
 #include "shared/visible.glsl"
@@ -140,7 +141,7 @@ void main() {
             vec3 n = dot(direction, s.geometric) < 0.0 ? s.shading : -s.shading;
             direction = normalize(reflect(direction, n));
             throughput *= materials[s.material].color;
-        } else {
+        } else if (HAS_ROUGH) {
             collected += throughput * highlights(s, direction, medium);
             vec3 weight;
             direction = reflect_rough(s, direction, sample_2d(at.index, combine(seed, events)), weight);

@@ -1,10 +1,20 @@
 // Media that absorb and scatter. A medium with a density grid has its coefficients times the density, trilinear between
 // the grid's points and zero outside of its box.
 #include "shared/math.glsl"
+#include "shared/parts.glsl"
 #include "shared/scene.glsl"
 
 layout(set = 0, binding = 8, std430) readonly buffer DensityGrids { DensityGrid density_grids[]; };
 layout(set = 0, binding = 9, std430) readonly buffer Voxels { float voxels[]; };
+
+// EVEN_MEDIA is set in modules for scenes without grids.
+uint grid_of(uint medium) {
+#ifdef EVEN_MEDIA
+    return NO_GRID;
+#else
+    return HAS_GRIDS ? media[medium].grid : NO_GRID;
+#endif
+}
 
 bool scatters(uint medium) {
     return any(greaterThan(media[medium].scattering, vec3(0.0)));
@@ -38,7 +48,7 @@ float density_in(DensityGrid grid, vec3 at) {
 }
 
 float density_at(uint medium, vec3 position) {
-    uint index = media[medium].grid;
+    uint index = grid_of(medium);
     if (index == NO_GRID) return 1.0;
     DensityGrid grid = density_grids[index];
     vec3 at = (position - grid.lower) * grid.cells_per_metre;
@@ -49,7 +59,7 @@ float density_at(uint medium, vec3 position) {
 // Of the ray's part within `length`, metres from `from` at which it enters and leaves the box of the medium's density;
 // (0, length) for a medium without a grid. Where it misses the box, the first is not below the second.
 vec2 dense_part(uint medium, vec3 from, vec3 direction, float length) {
-    uint index = media[medium].grid;
+    uint index = grid_of(medium);
     if (index == NO_GRID) return vec2(0.0, length);
     DensityGrid grid = density_grids[index];
     vec3 upper = grid.lower + vec3(grid.points - 1u) / grid.cells_per_metre;
@@ -122,7 +132,7 @@ void leave_cell(inout GridWalk walk, float until) {
 // Walks `stop` metres along a ray of `length` metres, or until `even` is `target`. The ray is cut at the grid's planes;
 // within a cell density is a cubic along it, which Simpson's rule integrates exactly.
 March march(uint medium, vec3 from, vec3 direction, float length, float stop, float target) {
-    uint index = media[medium].grid;
+    uint index = grid_of(medium);
     if (index == NO_GRID) {
         float at = min(stop, target);
         return March(at, at, at, 1.0, 1.0);
@@ -158,13 +168,9 @@ March march(uint medium, vec3 from, vec3 direction, float length, float stop, fl
     return March(length, depth, depth, 0.0, 0.0);
 }
 
-// Density along a ray, integrated over `length` metres: metres of density 1. EVEN_MEDIA is set where no medium has a grid:
-// drivers compile the walk through it at each place, and software drivers run it, too.
+// Density along a ray, integrated over `length` metres: metres of density 1.
 float density_along(uint medium, vec3 from, vec3 direction, float length) {
-#ifdef EVEN_MEDIA
-    return length;
-#else
-    uint index = media[medium].grid;
+    uint index = grid_of(medium);
     if (index == NO_GRID) return length;
     vec2 part = dense_part(medium, from, direction, length);
     if (!(part.x < part.y)) return 0.0;
@@ -190,7 +196,6 @@ float density_along(uint medium, vec3 from, vec3 direction, float length) {
         if (turn > 0u) leave_cell(walk, until);
     }
     return depth;
-#endif
 }
 
 // What `length` metres from `from` along the unit vector `direction` leave of light.

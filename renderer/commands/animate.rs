@@ -173,7 +173,7 @@ fn look(files: &Files, frames: &[u32], request: &Request, teller: &Teller) -> Ve
 fn adopt_backend(settings: &mut RenderSettings, kept: &[(u32, State)]) {
     let Some((_, State::Kept(maker))) = kept.first() else { return };
     if settings.trace == TraceChoice::Auto {
-        let of = |backend: &Backend| maker.tier.starts_with(&format!("{} tracing", backend.variant()));
+        let of = |backend: &Backend| maker.tier.starts_with(&format!("{} tracing", backend.module()));
         match Backend::ALL.into_iter().find(of) {
             Some(Backend::Cwbvh) => settings.trace = TraceChoice::Cwbvh,
             Some(Backend::Bvh2) => settings.trace = TraceChoice::Bvh2,

@@ -10,6 +10,7 @@ use super::pipeline::{Module, Pipeline, PipelineLayout, PipelineSlot, module_wor
 use super::reflect::{Interface, reflect};
 #[cfg(feature = "hot-reload")]
 use super::reload::{ModuleName, Reloadable};
+use super::variant::{self, Parts, Variant};
 use super::{Buffer, Device, GpuError, Image};
 use crate::trace::AccelerationStructure;
 
@@ -82,10 +83,10 @@ pub struct Kernel {
 /// The kernels that a device has made, by name and variant; they live as long as it. SwiftShader takes 5 s for those of
 /// `mnee`, which another renderer, or another technique and back, would have to wait for again.
 #[derive(Default)]
-pub(crate) struct MadeKernels(Mutex<HashMap<(String, String), Arc<KernelInner>>>);
+pub(crate) struct MadeKernels(Mutex<HashMap<(String, Variant), Arc<KernelInner>>>);
 
 impl MadeKernels {
-    fn lock(&self) -> MutexGuard<'_, HashMap<(String, String), Arc<KernelInner>>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<(String, Variant), Arc<KernelInner>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -102,6 +103,8 @@ pub struct KernelInner {
     pub(crate) pipeline: PipelineSlot,
     #[cfg(feature = "hot-reload")]
     module: ModuleName,
+    #[cfg(feature = "hot-reload")]
+    parts: Parts,
 }
 
 impl std::ops::Deref for Kernel {
@@ -112,15 +115,18 @@ impl std::ops::Deref for Kernel {
 }
 
 impl Kernel {
-    /// The kernel of that name; `variant` is the tracing back-end's, or empty for a kernel that traces no rays.
-    pub fn new(device: &Device, name: &str, variant: &str) -> Result<Kernel, GpuError> {
-        let key = (name.to_string(), variant.to_string());
+    /// The kernel of that name; `variant` is the tracer's, or "" for a kernel that traces no rays and serves any scene.
+    pub fn new(device: &Device, name: &str, variant: impl Into<Variant>) -> Result<Kernel, GpuError> {
+        let Variant { module, parts } = variant.into();
+        let words = module_words(name, "comp", module)?;
+        let variant = Variant { module, parts: parts.asked_by(&words) };
+        let key = (name.to_string(), variant);
         let made = device.made.lock().get(&key).cloned();
         let inner = match made {
             Some(inner) => inner,
             // Not under the lock: others need not wait while this one compiles.
             None => {
-                let inner = make(device, name, variant)?;
+                let inner = make(device, name, variant, &words)?;
                 device.made.lock().entry(key).or_insert(inner).clone()
             }
         };
@@ -128,15 +134,16 @@ impl Kernel {
     }
 
     /// As [`new`](Self::new), made anew whether the device has one or not, and shared with nobody.
-    pub fn anew(device: &Device, name: &str, variant: &str) -> Result<Kernel, GpuError> {
-        Ok(Kernel { inner: make(device, name, variant)?, _device: device.clone() })
+    pub fn anew(device: &Device, name: &str, variant: impl Into<Variant>) -> Result<Kernel, GpuError> {
+        let variant = variant.into();
+        let words = module_words(name, "comp", variant.module)?;
+        Ok(Kernel { inner: make(device, name, variant, &words)?, _device: device.clone() })
     }
 }
 
-fn make(device: &Device, name: &str, variant: &str) -> Result<Arc<KernelInner>, GpuError> {
-    let words = module_words(name, "comp", variant)?;
+fn make(device: &Device, name: &str, variant: Variant, words: &[u32]) -> Result<Arc<KernelInner>, GpuError> {
     let error = |reason| GpuError::Kernel { kernel: name.to_string(), reason };
-    let interface = reflect(&words).map_err(error)?;
+    let interface = reflect(words).map_err(error)?;
     let invocations: u32 = interface.workgroup.iter().product();
     let allowed = device.info.limits.workgroup_invocations;
     if invocations > allowed {
@@ -147,22 +154,33 @@ fn make(device: &Device, name: &str, variant: &str) -> Result<Arc<KernelInner>, 
     let inner = Arc::new(KernelInner {
         name: name.to_string(),
         interface,
-        pipeline: PipelineSlot::new(pipeline(device, name, &layout, &words)?),
+        pipeline: PipelineSlot::new(pipeline(device, name, &layout, variant.parts, words)?),
         layout,
         #[cfg(feature = "hot-reload")]
-        module: ModuleName::new(name, "comp", variant),
+        module: ModuleName::new(name, "comp", variant.module),
+        #[cfg(feature = "hot-reload")]
+        parts: variant.parts,
     });
     #[cfg(feature = "hot-reload")]
     super::reload::register(device, inner.clone())?;
     Ok(inner)
 }
 
-fn pipeline(device: &Device, name: &str, layout: &Arc<PipelineLayout>, words: &[u32]) -> Result<Pipeline, GpuError> {
+fn pipeline(
+    device: &Device,
+    name: &str,
+    layout: &Arc<PipelineLayout>,
+    parts: Parts,
+    words: &[u32],
+) -> Result<Pipeline, GpuError> {
     let module = Module::new(device, words)?;
+    let (entries, values) = (variant::entries(), parts.values());
+    let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::bytes_of(&values));
     let stage = vk::PipelineShaderStageCreateInfo::default()
         .stage(vk::ShaderStageFlags::COMPUTE)
         .module(module.raw)
-        .name(c"main");
+        .name(c"main")
+        .specialization_info(&constants);
     let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw);
     // SAFETY: the module is valid SPIR-V whose interface the layout was made from, or has a part of that interface.
     let pipelines = unsafe { device.raw.create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
@@ -178,7 +196,7 @@ impl Reloadable for KernelInner {
 
     fn reload(&self, device: &Device, modules: &[Vec<u32>]) -> Result<(), GpuError> {
         for words in modules {
-            self.pipeline.replace(pipeline(device, &self.name, &self.layout, words)?);
+            self.pipeline.replace(pipeline(device, &self.name, &self.layout, self.parts, words)?);
         }
         Ok(())
     }

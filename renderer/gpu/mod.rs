@@ -25,6 +25,7 @@ mod surface;
 mod survey;
 #[cfg(feature = "viewer")]
 mod swapchain;
+mod variant;
 
 pub use capability::{Capabilities, Capability};
 pub use device::{Device, DeviceInner, DeviceRequest};
@@ -39,7 +40,7 @@ pub use painter::Painter;
 pub use quirks::Quirks;
 pub use raster::{Plain, Raster, RasterStages, RasterTargets};
 pub use recorder::{Groups, Pass, PassTime, Recorder};
-pub use reflect::{Interface, Struct, reflect};
+pub use reflect::{Interface, Struct, constants, reflect};
 #[cfg(feature = "hot-reload")]
 pub use reload::{KernelWatch, ReloadReport, WatchError};
 #[cfg(feature = "viewer")]
@@ -48,3 +49,4 @@ pub(crate) use survey::choose;
 pub use survey::{DeviceInfo, Limits};
 #[cfg(feature = "viewer")]
 pub use swapchain::{Drawn, Swapchain};
+pub use variant::{Parts, Variant};

@@ -94,7 +94,28 @@ pub fn reflect(words: &[u32]) -> Result<Interface, String> {
     Ok(interface)
 }
 
+/// Ids and names of the module's specialization constants.
+pub fn constants(words: &[u32]) -> Vec<(u32, String)> {
+    let of = |wanted| instructions(words).filter(move |(op, _)| *op == wanted).map(|(_, operands)| operands);
+    let name =
+        |target| of(OP_NAME).find(|operands| operands.first() == Some(&target)).map(|operands| text(&operands[1..]));
+    let constant = |operands: &[u32]| match *operands {
+        [target, SPEC_ID, id, ..] => Some((id, name(target).unwrap_or_default())),
+        _ => None,
+    };
+    of(OP_DECORATE).filter_map(constant).collect()
+}
+
+/// The literal string that begins there.
+fn text(words: &[u32]) -> String {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
 const OP_CAPABILITY: u32 = 17;
+const OP_NAME: u32 = 5;
+const OP_DECORATE: u32 = 71;
+const SPEC_ID: u32 = 1;
 const OP_IMAGE_TEXEL_POINTER: u32 = 60;
 const OP_ATOMIC_F_ADD: u32 = 6035;
 

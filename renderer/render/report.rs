@@ -26,7 +26,7 @@ impl Renderer {
             driver_version: info.driver_version.clone(),
             capabilities: self.device.capabilities.clone(),
             tier: self.tier(),
-            trace: self.tracer.backend.variant(),
+            trace: self.tracer.backend.module(),
             trace_choice: self.trace_choice.clone(),
             bands: self.bands.len() as u32,
             passes: self.passes.clone(),

@@ -49,7 +49,7 @@ pub struct Probe {
 impl Probe {
     /// Uploads `rays` and makes the kernel for the tracer's back-end.
     pub fn new(device: &Device, tracer: &Tracer, rays: &[Ray]) -> Result<Probe, GpuError> {
-        let kernel = Kernel::new(device, "trace/probe", tracer.backend.variant())?;
+        let kernel = Kernel::new(device, "trace/probe", tracer.variant())?;
         let (hits_size, count) = (size_of_val(rays) / size_of::<Ray>() * size_of::<ProbeHit>(), rays.len() as u32);
         let rays = Buffer::from_slice(device, "probe rays", rays)?;
         let hits = Buffer::new(device, "probe hits", hits_size as u64)?;

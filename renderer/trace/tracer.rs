@@ -7,9 +7,9 @@ use super::binary::BinaryTree;
 use super::device_structures::{DeviceStructures, Following};
 use super::trees::Trees;
 use super::wide::WideTree;
-use crate::gpu::{Bindings, Capability, Device, PassTime};
+use crate::gpu::{Bindings, Capability, Device, Parts, PassTime, Variant};
 use crate::gpu_scene::GpuScene;
-use crate::scene::{MeshId, Scene};
+use crate::scene::{MeshId, Scene, Surface};
 
 /// Who answers the rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
@@ -26,8 +26,8 @@ pub enum Backend {
 impl Backend {
     pub const ALL: [Backend; 3] = [Backend::RayQuery, Backend::Cwbvh, Backend::Bvh2];
 
-    /// The kernels' variant.
-    pub fn variant(self) -> &'static str {
+    /// The kernels' module.
+    pub fn module(self) -> &'static str {
         match self {
             Backend::RayQuery => "ray_query",
             Backend::Cwbvh => "cwbvh",
@@ -53,7 +53,9 @@ impl Backend {
 /// A scene's structures for one back-end.
 pub struct Tracer {
     pub backend: Backend,
-    /// For kernels of the variant [`Backend::variant`], beside those of the [`GpuScene`].
+    /// What kernels of the scene are to know.
+    pub parts: Parts,
+    /// For kernels of the variant [`Tracer::variant`], beside those of the [`GpuScene`].
     pub bindings: Bindings,
     /// Wall-clock time of the first build, milliseconds, uploads included.
     pub build_milliseconds: f64,
@@ -101,6 +103,7 @@ impl Tracer {
         let (bindings, memory) = structures.bindings();
         Ok(Tracer {
             backend,
+            parts: parts(scene),
             bindings,
             build_milliseconds,
             memory,
@@ -108,6 +111,16 @@ impl Tracer {
             counts: counts(scene),
             instances: instances(scene),
         })
+    }
+
+    /// Of kernels that trace.
+    pub fn variant(&self) -> Variant {
+        Variant { module: self.backend.module(), parts: self.parts }
+    }
+
+    /// Of kernels that do not.
+    pub fn plain(&self) -> Variant {
+        Variant { module: "", parts: self.parts }
     }
 
     /// Follows a scene whose instances or vertices have moved, `moved` naming the meshes whose vertices have.
@@ -153,6 +166,13 @@ impl Structures {
             Structures::Device(structures) => (structures.bindings(), structures.memory()),
             Structures::Trees(trees) => (trees.bindings(), trees.memory()),
         }
+    }
+}
+
+fn parts(scene: &Scene) -> Parts {
+    Parts {
+        grids: !scene.densities.is_empty(),
+        rough: scene.materials.iter().any(|material| matches!(material.surface, Surface::Rough { .. })),
     }
 }
 

@@ -128,7 +128,7 @@ bool emit(Share share, LightView v, vec2 place, uint photon, out Photon p) {
         } else if (material.alpha > push.rough_alpha) {
             ends(LEDGER_ROUGH, p.flux);
             return false;
-        } else {
+        } else if (HAS_ROUGH) {
             p.direction = reflect_rough(s, direction, sample_2d(push.set, combine(seed, 3u)), weight);
         }
         fate_watts[1] += mean(p.flux * (1.0 - weight));

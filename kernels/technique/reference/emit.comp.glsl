@@ -5,6 +5,7 @@
 #include "technique/reference/volume.glsl"
 #include "shared/media.glsl"
 #include "shared/optics.glsl"
+#include "shared/parts.glsl"
 #include "shared/random.glsl"
 #include "shared/emission.glsl"
 #include "trace/interface.glsl"
@@ -145,11 +146,11 @@ void follow(uint slot, EmissionCell cell, uint index, uint seed, inout Kept kept
                 refractions++;
             }
         } else {
-            vec3 weight;
+            vec3 weight = vec3(0.0);
             if (kind == MATERIAL_MIRROR) {
                 direction = normalize(reflect(direction, dot(direction, s.geometric) < 0.0 ? s.shading : -s.shading));
                 weight = materials[s.material].color;
-            } else {
+            } else if (HAS_ROUGH) {
                 direction = reflect_rough(s, direction, sample_2d(index, combine(seed, event + 1u)), weight);
             }
             book(ABSORBED, flux * (1.0 - weight));

@@ -28,7 +28,7 @@ impl Kernels {
         Ok(Kernels {
             corners: plain("corners")?,
             advance: plain("advance")?,
-            trace: Kernel::new(context.device, trace, context.tracer.backend.variant())?,
+            trace: Kernel::new(context.device, trace, context.tracer.variant())?,
             split: plain("split")?,
             close: plain("close")?,
             count_leaves: plain("count_leaves")?,

@@ -57,7 +57,7 @@ impl Eikonal {
             volumes: context.scene.lights.iter().map(|_| None).collect(),
             options,
             stages,
-            gather: Kernel::new(context.device, "eikonal/gather", context.tracer.backend.variant())?,
+            gather: Kernel::new(context.device, "eikonal/gather", context.tracer.variant())?,
             shadows: settings.choice("shadows") == "rays",
             useless: settings::useless(settings),
             stored: None,

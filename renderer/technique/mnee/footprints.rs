@@ -84,7 +84,7 @@ impl Footprints {
     /// Makes room for every light: 112 bytes a triangle each, and 16 a vertex once.
     pub fn new(context: &Context<'_>, surface: &SpecularSurface) -> Result<Self, GpuError> {
         let device = context.device;
-        let variant = context.tracer.backend.variant();
+        let variant = context.tracer.variant();
         let landings = Buffer::new(device, "mnee landings", u64::from(surface.vertices) * size_of::<Landing>() as u64)?;
         let triangles = u64::from(surface.triangles);
         let first = first_state(context.scene, surface.triangles);

@@ -247,12 +247,12 @@ impl Mnee {
             .buffer("Brackets", &buffer("mnee arcs", u64::from(chunk) * MAX_BRACKETS, size_of::<Bracket>())?)
             .buffer("BracketCounts", &buffer("mnee arc counts", chunk.into(), 4)?)
             .buffer("MneeCounters", &counters);
-        let variant = context.tracer.backend.variant();
+        let variant = context.tracer.variant();
         Ok(Mnee {
             kernels: Kernels {
-                seed: Kernel::new(device, "mnee/seed", "")?,
+                seed: Kernel::new(device, "mnee/seed", context.tracer.plain())?,
                 start: Kernel::new(device, "mnee/start", variant)?,
-                walk: Kernel::new(device, "mnee/walk", "")?,
+                walk: Kernel::new(device, "mnee/walk", context.tracer.plain())?,
                 solve: Kernel::new(device, "mnee/solve", variant)?,
             },
             surface,

@@ -63,7 +63,7 @@ impl Newton {
             trials => trials,
         };
         let (bindings, surfaces) = start_surfaces(context)?;
-        let kernel = Kernel::new(context.device, "mnee/newton", context.tracer.backend.variant())?;
+        let kernel = Kernel::new(context.device, "mnee/newton", context.tracer.variant())?;
         Ok(Some(Newton { kernel, bindings, solver, trials, surfaces }))
     }
 

@@ -274,12 +274,12 @@ impl Photons {
             (None, None) => None,
         };
         let first_set = denoiser.as_ref().map_or(0, Denoiser::sets);
-        let variant = context.tracer.backend.variant();
+        let variant = context.tracer.variant();
         let splats = trace.options & SPLATS != 0;
         let refracts = settings.choice("refraction") == REFRACTION_SCREEN;
         let kernels = Kernels {
-            emit: Kernel::new(device, "photons/emit", "")?,
-            trace: Kernel::new(device, "photons/trace", "")?,
+            emit: Kernel::new(device, "photons/emit", context.tracer.plain())?,
+            trace: Kernel::new(device, "photons/trace", context.tracer.plain())?,
             rescue: rescue.then(|| Kernel::new(device, "photons/rescue", variant)).transpose()?,
             splat: splats.then(|| Kernel::new(device, "photons/splat", "")).transpose()?,
             irradiance: Kernel::new(device, "photons/irradiance", "")?,

@@ -186,7 +186,7 @@ impl Spaces {
         // All lights' views are of one size.
         let light_raster = lights.first().map(|view| raster(context, "photons light ids", view)).transpose()?;
         let camera_raster = raster(context, "photons camera ids", &camera[0])?;
-        let variant = context.tracer.backend.variant();
+        let variant = context.tracer.variant();
         let camera_texels = Buffer::new(device, "photons camera texels", CAMERA_BYTES * texels(camera))?;
         let areas = Buffer::new(device, "photons camera areas", 4 * texels(camera))?;
         let bindings = Bindings::new()

@@ -46,7 +46,7 @@ impl Kernels {
         let plain = |name: &str| Kernel::new(context.device, &format!("reference/{name}"), "");
         Ok(Kernels {
             prepare: plain("prepare")?,
-            emit: Kernel::new(context.device, "reference/emit", context.tracer.backend.variant())?,
+            emit: Kernel::new(context.device, "reference/emit", context.tracer.variant())?,
             sort: SortKernels::new(context.device)?,
             gather: plain("gather")?,
             resolve: plain("resolve")?,

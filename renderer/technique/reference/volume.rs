@@ -56,7 +56,7 @@ impl Volume {
         Ok(Some(Volume {
             points,
             sorted: Sorted::new(device, kernels, "reference/volume-", photons)?,
-            gather: Kernel::new(device, "reference/gather_volume", "")?,
+            gather: Kernel::new(device, "reference/gather_volume", context.tracer.plain())?,
             first_radius: radius.clamp(least, most),
             alpha: settings.number("alpha").into(),
             flux_unit: (scattered / UNITS_PER_PHOTON).max(f32::MIN_POSITIVE),

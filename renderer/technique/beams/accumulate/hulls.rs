@@ -90,7 +90,7 @@ impl Hulls {
                 vertex: if points { "beams/hull_points" } else { "beams/hull" },
                 geometry: points.then_some("beams/hull_points"),
                 fragment,
-                variant: context.tracer.backend.variant(),
+                variant: context.tracer.backend.module(),
             };
             let sums = Buffer::new(device, fragment, u64::from(width) * u64::from(rows) * SUM_BYTES)?;
             Ok(Layer { raster: Raster::of_stages(device, &stages, &targets)?, targets, sums })

@@ -139,7 +139,7 @@ impl Accumulator {
             .buffer("BeamTallies", &tallies);
         let boxes = Boxes::new(device, beams.capacity)?;
         let listed = context.frame.adaptive().is_some();
-        let variant = context.tracer.backend.variant();
+        let variant = context.tracer.variant();
         let volume = match context.frame.film.has_volume() {
             true => Some((
                 Kernel::new(device, by_media(context, ["beams/gather_volume", "beams/gather_volume_grids"]), variant)?,
