@@ -15,6 +15,8 @@ mod flat;
 mod ledger;
 #[path = "technique_photons/march.rs"]
 mod march;
+#[path = "technique_photons/points.rs"]
+mod points;
 #[path = "technique_photons/reference.rs"]
 mod reference;
 #[path = "technique_photons/refraction.rs"]
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         case("slats_shine_evenly", edges::slats_shine_evenly),
         case("unseen_light_goes_by_the_shading_normal", edges::unseen_light_goes_by_the_shading_normal),
         case("screen_space_refraction_shows_what_points_show", refraction::screen),
+        case("blue_points_have_less_noise_and_the_same_light", points::blue),
         case("discs_make_even_light_smoother", splats::smoother),
         case("discs_keep_to_their_surface", splats::keep_to_their_surface),
         case("both_marches_hit_the_same", march::both),

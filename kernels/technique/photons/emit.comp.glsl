@@ -19,6 +19,7 @@ struct Share {
 layout(set = 3, binding = 5, std430) readonly buffer SpecularIds { uvec2 specular_ids[]; };
 layout(set = 3, binding = 11, std430) readonly buffer Shares { Share shares[]; };
 layout(set = 3, binding = 4, std430) readonly buffer PhotonOrder { uint photon_order[]; };
+layout(set = 3, binding = 13, std430) readonly buffer BluePoints { uint blue_points[]; }; // of a tile of cells, a place each
 layout(push_constant) uniform EmissionPush {
     float ledger_unit; // W
     uint photons;
@@ -28,6 +29,7 @@ layout(push_constant) uniform EmissionPush {
     float faint;       // of a photon of the mean flux: fainter ones are followed by chance
     uint seed;
     uint shuffled;     // 1: slots' photons are as PhotonOrder says
+    uint blue;         // 1: places are as BluePoints says; 0: anywhere in their cells
     uint fates;        // FATES
 } push;
 
@@ -47,6 +49,18 @@ uvec2 cell_of(Share share, uint index) {
     uvec2 fine = uvec2((within & 1u) | ((within >> 1) & 2u) | ((within >> 2) & 4u),
                        ((within >> 1) & 1u) | ((within >> 2) & 2u) | ((within >> 3) & 4u));
     return 8u * uvec2(tile % tiles_across, tile / tiles_across) + fine;
+}
+
+const uint BLUE_SIDE = 64u; // cells
+
+// Where in its cell a photon of this set starts, cells; with blue points, up to a cell beyond. Their tile lies elsewhere in each
+// set, anywhere with equal probability, so that the mean of many sets is even.
+vec2 place_in(uvec2 cell, uint photon) {
+    if (push.blue == 0u) return sample_2d(push.set, combine(combine(push.seed, photon), 1u));
+    vec2 shift = float(BLUE_SIDE) * sample_2d(push.set, combine(push.seed, 5u));
+    uvec2 at = (cell + uvec2(shift)) % BLUE_SIDE;
+    uint point = blue_points[at.y * BLUE_SIDE + at.x];
+    return vec2(point & 0xffffu, point >> 16) / 65536.0 + fract(shift);
 }
 
 // The specular surface at a place of the view: the triangle of the nearest texel, or of one of its neighbours where that
@@ -170,8 +184,8 @@ void main() {
         uint view_index = share_of(photon);
         Share share = shares[view_index];
         uvec2 cell = cell_of(share, photon - share.first);
-        vec2 random = sample_2d(push.set, combine(combine(push.seed, photon), 1u));
-        vec2 place = (vec2(cell) + random) / vec2(share.columns, share.rows);
+        // What is beyond the last cell begins anew before the first.
+        vec2 place = fract((vec2(cell) + place_in(cell, photon)) / vec2(share.columns, share.rows));
         Photon p;
         bool starts = emit(share, light_views[view_index], place, photon, p) && survives(p, share, photon);
         p.view = view_index;

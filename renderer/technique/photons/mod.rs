@@ -3,11 +3,12 @@
 
 pub mod denoise;
 mod ledger;
+mod points;
 mod settings;
 mod shares;
 mod spaces;
 
-use settings::REFRACTION_SCREEN;
+use settings::{DENOISE_OFF, POINTS_AUTO, POINTS_BLUE, REFRACTION_SCREEN};
 pub use settings::{DENOISE_TEMPORAL, SETTINGS};
 
 use super::{Context, CounterEntry, LedgerEntry, Settings, Technique};
@@ -42,6 +43,7 @@ crate::gpu_struct! {
         pub faint: f32,
         pub seed: u32,
         pub shuffled: u32,
+        pub blue: u32,
         pub fates: u32,
     }
 }
@@ -245,9 +247,14 @@ impl Photons {
             faint: settings.number("luminance"),
             seed: random::combine(context.seed, 0x7068_6f74),
             shuffled: u32::from(settings.choice("order") == "shuffled"),
+            blue: u32::from(match settings.choice("points") {
+                POINTS_AUTO => settings.choice("denoise") != DENOISE_OFF,
+                points => points == POINTS_BLUE,
+            }),
             fates: FATES,
         };
         let order = if emission.shuffled != 0 { shares::shuffled(photons, emission.seed) } else { Vec::new() };
+        let blue = if emission.blue != 0 { points::blue_points(emission.seed) } else { Vec::new() };
         let texels = u64::from(spaces.camera_texels());
         let ledger = Buffer::zeroed(device, "photons ledger", ledger::LEDGER_BYTES)?;
         let tallies = Buffer::zeroed(device, "photons tallies", ledger::TALLY_BYTES)?;
@@ -265,6 +272,7 @@ impl Photons {
             .buffer("PhotonTallies", &tallies)
             .buffer("Shares", &Buffer::from_slice(device, "photons shares", &shares)?)
             .buffer("PhotonOrder", &Buffer::from_slice(device, "photons order", &order)?)
+            .buffer("BluePoints", &Buffer::from_slice(device, "photons blue points", &blue)?)
             .buffer("PhotonRecords", &records);
         let denoiser = match (before, DenoiseOptions::of(settings)) {
             (Some(denoiser), _) => Some(denoiser.follow(device, receivers(&spaces, &bindings, &irradiance, context))?),

@@ -62,6 +62,15 @@ pub const SETTINGS: &[Setting] = &[
         help: "Which photons are followed side by side: neighbours, or any, for comparison",
     },
     Setting {
+        key: "points",
+        kind: SettingKind::Choice(&[POINTS_AUTO, "jittered", POINTS_BLUE]),
+        default: POINTS_AUTO,
+        unit: "",
+        help: "Where in its cell a photon starts. jittered: at random, evenly over many sets. blue: so that photons of a set keep \
+               away from each other (blue noise, as in the paper), which is better for one set. auto: blue with a filter, which \
+               looks at sets one by one, else jittered",
+    },
+    Setting {
         key: "rescue",
         kind: SettingKind::Choice(&["off", "rays"]),
         default: "off",
@@ -192,6 +201,8 @@ pub const SETTINGS: &[Setting] = &[
     },
 ];
 
+pub(super) const POINTS_AUTO: &str = "auto";
+pub(super) const POINTS_BLUE: &str = "blue";
 pub(super) const REFRACTION_SCREEN: &str = "screen";
 pub(super) const DENOISE_OFF: &str = "off";
 pub const DENOISE_TEMPORAL: &str = "temporal";

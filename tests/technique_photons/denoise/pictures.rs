@@ -19,7 +19,8 @@ const SAMPLES: u32 = 4;
 const FRAMES: u32 = 8;
 
 fn renderer(request: &Request, samples: u32, seed: u32, set: &[&str]) -> Renderer {
-    let common = ["photons=5000", "resolution=128"];
+    // The same photons with and without a filter.
+    let common = ["photons=5000", "resolution=128", "points=jittered"];
     let settings = RenderSettings {
         device: request.device.clone(),
         trace: "bvh".parse().unwrap(),
