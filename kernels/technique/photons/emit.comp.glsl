@@ -29,7 +29,7 @@ layout(push_constant) uniform EmissionPush {
     float faint;       // of a photon of the mean flux: fainter ones are followed by chance
     uint seed;
     uint shuffled;     // 1: slots' photons are as PhotonOrder says
-    uint blue;         // 1: places are as BluePoints says; 0: anywhere in their cells
+    uint blue_side;    // cells along a side of the tile of BluePoints; 0: places are anywhere in their cells
     uint fates;        // FATES
 } push;
 
@@ -51,15 +51,13 @@ uvec2 cell_of(Share share, uint index) {
     return 8u * uvec2(tile % tiles_across, tile / tiles_across) + fine;
 }
 
-const uint BLUE_SIDE = 64u; // cells
-
 // Where in its cell a photon of this set starts, cells; with blue points, up to a cell beyond. Their tile lies elsewhere in each
 // set, anywhere with equal probability, so that the mean of many sets is even.
 vec2 place_in(uvec2 cell, uint photon) {
-    if (push.blue == 0u) return sample_2d(push.set, combine(combine(push.seed, photon), 1u));
-    vec2 shift = float(BLUE_SIDE) * sample_2d(push.set, combine(push.seed, 5u));
-    uvec2 at = (cell + uvec2(shift)) % BLUE_SIDE;
-    uint point = blue_points[at.y * BLUE_SIDE + at.x];
+    if (push.blue_side == 0u) return sample_2d(push.set, combine(combine(push.seed, photon), 1u));
+    vec2 shift = float(push.blue_side) * sample_2d(push.set, combine(push.seed, 5u));
+    uvec2 at = (cell + uvec2(shift)) % push.blue_side;
+    uint point = blue_points[at.y * push.blue_side + at.x];
     return vec2(point & 0xffffu, point >> 16) / 65536.0 + fract(shift);
 }
 

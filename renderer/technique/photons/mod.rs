@@ -43,7 +43,7 @@ crate::gpu_struct! {
         pub faint: f32,
         pub seed: u32,
         pub shuffled: u32,
-        pub blue: u32,
+        pub blue_side: u32,
         pub fates: u32,
     }
 }
@@ -238,6 +238,10 @@ impl Photons {
             turns: if rescue { 1 } else { 2 },
             fates: FATES,
         };
+        let blue = match settings.choice("points") {
+            POINTS_AUTO => settings.choice("denoise") != DENOISE_OFF,
+            points => points == POINTS_BLUE,
+        };
         let emission = EmissionPush {
             ledger_unit: unit,
             photons,
@@ -247,14 +251,11 @@ impl Photons {
             faint: settings.number("luminance"),
             seed: random::combine(context.seed, 0x7068_6f74),
             shuffled: u32::from(settings.choice("order") == "shuffled"),
-            blue: u32::from(match settings.choice("points") {
-                POINTS_AUTO => settings.choice("denoise") != DENOISE_OFF,
-                points => points == POINTS_BLUE,
-            }),
+            blue_side: if blue { points::SIDE } else { 0 },
             fates: FATES,
         };
         let order = if emission.shuffled != 0 { shares::shuffled(photons, emission.seed) } else { Vec::new() };
-        let blue = if emission.blue != 0 { points::blue_points(emission.seed) } else { Vec::new() };
+        let blue = if blue { points::blue_points(emission.seed) } else { Vec::new() };
         let texels = u64::from(spaces.camera_texels());
         let ledger = Buffer::zeroed(device, "photons ledger", ledger::LEDGER_BYTES)?;
         let tallies = Buffer::zeroed(device, "photons tallies", ledger::TALLY_BYTES)?;
