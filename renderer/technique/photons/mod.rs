@@ -255,7 +255,7 @@ impl Photons {
             fates: FATES,
         };
         let order = if emission.shuffled != 0 { shares::shuffled(photons, emission.seed) } else { Vec::new() };
-        let blue = if blue { points::blue_points(emission.seed) } else { Vec::new() };
+        let blue: &[u32] = if blue { &points::BLUE_POINTS } else { &[] };
         let texels = u64::from(spaces.camera_texels());
         let ledger = Buffer::zeroed(device, "photons ledger", ledger::LEDGER_BYTES)?;
         let tallies = Buffer::zeroed(device, "photons tallies", ledger::TALLY_BYTES)?;
@@ -273,7 +273,7 @@ impl Photons {
             .buffer("PhotonTallies", &tallies)
             .buffer("Shares", &Buffer::from_slice(device, "photons shares", &shares)?)
             .buffer("PhotonOrder", &Buffer::from_slice(device, "photons order", &order)?)
-            .buffer("BluePoints", &Buffer::from_slice(device, "photons blue points", &blue)?)
+            .buffer("BluePoints", &Buffer::from_slice(device, "photons blue points", blue)?)
             .buffer("PhotonRecords", &records);
         let denoiser = match (before, DenoiseOptions::of(settings)) {
             (Some(denoiser), _) => Some(denoiser.follow(device, receivers(&spaces, &bindings, &irradiance, context))?),

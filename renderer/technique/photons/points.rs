@@ -1,5 +1,7 @@
 //! Blue noise: places of photons in a tile of cells, one a cell, which keep away from each other.
 
+use std::sync::LazyLock;
+
 use glam::{DVec2, IVec2};
 
 use crate::random;
@@ -11,11 +13,14 @@ pub const SIDE: u32 = 64;
 const ROUNDS: u32 = 8;
 const TRIALS: u32 = 16;
 
+/// For all sets and seeds, which lay it elsewhere: each frame of an animation begins its photons anew, and the tile takes time.
+pub static BLUE_POINTS: LazyLock<Vec<u32>> = LazyLock::new(|| blue_points(0));
+
 /// Where each cell of the tile has its place, x in the low half and y in the high half of a word, 2^-16 cells.
 ///
 /// Each place in turn goes to that of a few places of its cell which is farthest from all others. So there is as much light
 /// in every cell as with one place at random in each, and less noise of low frequency than that has.
-pub fn blue_points(seed: u32) -> Vec<u32> {
+fn blue_points(seed: u32) -> Vec<u32> {
     let mut points: Vec<DVec2> = (0..SIDE * SIDE).map(|cell| trial(seed, cell, 0)).collect();
     for round in 0..ROUNDS {
         for cell in 0..SIDE * SIDE {
